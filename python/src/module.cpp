@@ -58,6 +58,13 @@ class Result {
     }
     return *points_;
   }
+  [[nodiscard]] const std::vector<topology::Face>& faces() {
+    if (!faces_) {
+      faces_.emplace();
+      for (const topology::Face& face : complex().faces()) faces_->push_back(face);
+    }
+    return *faces_;
+  }
   [[nodiscard]] const report::Cells& cells() {
     if (!cells_) cells_ = report::make_cells(complex());
     return *cells_;
@@ -81,6 +88,7 @@ class Result {
  private:
   AnyResult any_;
   std::optional<std::vector<geometry::Vec3>> points_;
+  std::optional<std::vector<topology::Face>> faces_;
   std::optional<report::Cells> cells_;
   std::optional<Links> links_;
 };
@@ -164,7 +172,7 @@ py::dict block_arrays(const py::object& self) {
 
 py::dict face_arrays(const py::object& self) {
   auto& result = self.cast<Result&>();
-  const std::span<const topology::Face> items = result.complex().faces().items();
+  const std::span<const topology::Face> items = result.faces();
   using topology::Face;
   py::dict arrays;
   arrays["block"] = column<std::uint32_t>(items, [](const Face& f) -> const auto& { return f.block; }, self);

@@ -119,10 +119,10 @@ TEST(JointKeys, ASurfaceOfAnObjFile) {
 
 TEST(JointKeys, KeepDangling) {
   const std::string stub = "[[joint]]\npolygon = [[-1, -1, 3], [3, -1, 3], [3, 9, 3], [-1, 9, 3]]\n";
-  EXPECT_FALSE(run_of(with_box(stub)).complex.value().complex().data().dangling.has_value());
+  EXPECT_FALSE(run_of(with_box(stub)).complex.value().complex().dangling().has_value());
   const auto kept = run_of("keep_dangling = true\n" + with_box(stub));
-  ASSERT_TRUE(kept.complex.value().complex().data().dangling.has_value());
-  EXPECT_DOUBLE_EQ(kept.complex.value().complex().data().dangling->area.si(), 24);
+  ASSERT_TRUE(kept.complex.value().complex().dangling().has_value());
+  EXPECT_DOUBLE_EQ(kept.complex.value().complex().dangling()->area.si(), 24);
 }
 
 // A clamped size and a box of centres; where they mean nothing they are refused.

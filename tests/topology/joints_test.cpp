@@ -133,8 +133,8 @@ TEST(Dangling, EndsMembranesAndIsolatedJoints) {
   auto input = scene(cube(), {rectangle(2, 2, {-1, -1}, {3, 5})});  // stops 1 m short of x = 4
   input.keep_dangling = true;
   const auto one = certified(input).complex();
-  ASSERT_TRUE(one.data().dangling.has_value());
-  const auto& stub = *one.data().dangling;
+  ASSERT_TRUE(one.dangling().has_value());
+  const auto& stub = *one.dangling();
   ASSERT_EQ(stub.pieces.size(), 1U);
   EXPECT_DOUBLE_EQ(area_of(stub), 12);
   EXPECT_EQ(stub.free_edges, 1U);
@@ -145,7 +145,7 @@ TEST(Dangling, EndsMembranesAndIsolatedJoints) {
   input.joints.emplace_back(rectangle(0, 2, {-1, 2}, {5, 3}));  // stands on the first one and ends in the rock
   input.joints.emplace_back(rectangle(2, 1, {1, 1}, {2, 3}));   // touches nothing
   const auto three = certified(input).complex();
-  const auto& all = *three.data().dangling;
+  const auto& all = *three.dangling();
   EXPECT_DOUBLE_EQ(area_of(all), 12 + 4 + 2);
   EXPECT_EQ(all.joints, 3U);
   EXPECT_EQ(all.isolated_joints, 1U);
@@ -158,7 +158,7 @@ TEST(Dangling, OvershootsOfSeparatingJoints) {
   auto input = scene(cube(), {rectangle(2, 2, {-1, -1}, {3, 5}), rectangle(0, 2, {-1, -1}, {5, 3})});
   input.keep_dangling = true;
   const auto complex = certified(input).complex();
-  const auto& dangling = *complex.data().dangling;
+  const auto& dangling = *complex.dangling();
   EXPECT_DOUBLE_EQ(area_of(dangling), 8);
   EXPECT_EQ(dangling.pieces.size(), 2U);
   for (const auto& piece : dangling.pieces) EXPECT_GT(complex.blocks()[piece.block].volume.si(), 40);
@@ -174,7 +174,7 @@ TEST(Dangling, MembraneAndJointInACavity) {
   input.keep_dangling = true;
   const auto complex = certified(input).complex();
   double membrane = 0;
-  for (const auto& piece : complex.data().dangling->pieces) {
+  for (const auto& piece : complex.dangling()->pieces) {
     if (piece.joint == id(input.joints.size() - 1)) membrane += piece.area.si();
     EXPECT_FALSE(piece.isolated);
   }
@@ -206,8 +206,8 @@ TEST_P(DanglingWorkloads, BlocksAreTheSameAndAreasAddUp) {
     }
     joints += geometry::norm(area);
   }
-  EXPECT_LE(faces + area_of(*kept.data().dangling), joints * (1 + 1e-9));
-  EXPECT_GT(area_of(*kept.data().dangling), 0);
+  EXPECT_LE(faces + area_of(*kept.dangling()), joints * (1 + 1e-9));
+  EXPECT_GT(area_of(*kept.dangling()), 0);
 }
 INSTANTIATE_TEST_SUITE_P(Topology, DanglingWorkloads, ::testing::Values("rect-13", "disc-200", "disc-500"));
 

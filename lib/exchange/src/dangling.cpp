@@ -32,7 +32,7 @@ std::vector<std::uint32_t> without_spikes(const std::vector<topology::VertexId>&
 
 const topology::Dangling& dangling_of(const topology::BlockComplex& complex) {
   static const topology::Dangling nothing{};
-  return complex.data().dangling ? *complex.data().dangling : nothing;
+  return complex.dangling() ? *complex.dangling() : nothing;
 }
 
 std::string one_line(std::string_view text) {

@@ -63,7 +63,7 @@ std::expected<void, WriteError> write_motion(const scene::RunResult& result, con
 
 std::expected<void, WriteError> write_dangling(const scene::RunResult& result, const fs::path& folder) {
   const auto* complex = complex_of(result);
-  if (complex == nullptr || !complex->data().dangling) return {};
+  if (complex == nullptr || !complex->dangling()) return {};
   if (result.output.vtu) CLEAVE_CHECK(write_file(folder / "dangling.vtu", dangling_vtu(*complex, result.title)));
   return write_file(folder / "dangling.obj", dangling_obj(*complex, result.title));
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "flat.hpp"
 
@@ -68,7 +69,7 @@ BoltPath BoltPaths::path(const Bolt& bolt) const {
   constexpr std::size_t most = 100'000;
   while (pierced.size() < most) {
     double exit = std::numeric_limits<double>::infinity();
-    const Face* through = nullptr;
+    std::optional<Face> through;
     for (const FaceId id : complex_->blocks()[block].faces) {
       const Face& face = complex_->faces()[id];
       const double rate = dot(face.outward, bolt.direction);
@@ -77,9 +78,9 @@ BoltPath BoltPaths::path(const Bolt& bolt) const {
       if (at < t - 1e-9 || at >= exit) continue;
       if (!contains(*complex_, face, bolt.collar + at * bolt.direction)) continue;
       exit = at;
-      through = &face;
+      through = face;
     }
-    if (through == nullptr || exit >= bolt.length.si() || through->role == topology::Role::fixed) {
+    if (!through || exit >= bolt.length.si() || through->role == topology::Role::fixed) {
       // Rock beyond a fixed side goes on and never moves.
       pierced.push_back({block, t, bolt.length.si()});
       break;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "flat.hpp"
@@ -32,7 +33,7 @@ bool is_open(const topology::BlockComplex& complex, const Face& face,
 
 std::vector<KeyedEdge> keyed_edges(const topology::BlockComplex& complex, topology::BlockId block,
                                    const std::function<bool(topology::BlockId)>& gone) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, const Face*> beyond;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, FaceId> beyond;
   const auto key = [](topology::VertexId a, topology::VertexId b) {
     return std::pair{std::min(a.value(), b.value()), std::max(a.value(), b.value())};
   };
@@ -41,15 +42,15 @@ std::vector<KeyedEdge> keyed_edges(const topology::BlockComplex& complex, topolo
       const Face& face = complex.faces()[face_id];
       if (is_open(complex, face, gone) != open || (!open && face.role != topology::Role::joint)) continue;
       for (const auto& loop : complex.loops(face)) {
-        for (std::size_t i = 0; i < loop.size(); ++i) use(face, loop[i], loop[(i + 1) % loop.size()]);
+        for (std::size_t i = 0; i < loop.size(); ++i) use(face_id, loop[i], loop[(i + 1) % loop.size()]);
       }
     }
   };
-  edges(false, [&](const Face& face, auto a, auto b) { beyond[key(a, b)] = &face; });
+  edges(false, [&](FaceId face, auto a, auto b) { beyond.insert_or_assign(key(a, b), face); });
   std::vector<KeyedEdge> out;
-  edges(true, [&](const Face& face, auto a, auto b) {
+  edges(true, [&](FaceId face, auto a, auto b) {
     const auto it = beyond.find(key(a, b));
-    if (it != beyond.end()) out.push_back({a, b, &face, it->second});
+    if (it != beyond.end()) out.push_back({a, b, face, it->second});
   });
   return out;
 }
@@ -64,9 +65,9 @@ double keyed_perimeter(const topology::BlockComplex& complex, topology::BlockId 
                        const std::function<bool(topology::BlockId)>& gone) {
   double perimeter = 0;
   for (const KeyedEdge& edge : keyed_edges(complex, block, gone)) {
-    const bool keyed = std::ranges::none_of(complex.patches(*edge.beyond), [&](const topology::Patch& patch) {
-      return patch.neighbour && loose(*patch.neighbour);
-    });
+    const bool keyed =
+        std::ranges::none_of(complex.patches(complex.faces()[edge.beyond]),
+                             [&](const topology::Patch& patch) { return patch.neighbour && loose(*patch.neighbour); });
     if (keyed) perimeter += norm(complex.position(edge.to) - complex.position(edge.from));
   }
   return perimeter;
@@ -74,13 +75,13 @@ double keyed_perimeter(const topology::BlockComplex& complex, topology::BlockId 
 
 std::vector<Bolt> spot_places(const topology::BlockComplex& complex, topology::BlockId block,
                               std::span<const Vec3> wanted, Vec3 motion, const SpotBolts& spot) {
-  const Face* largest = nullptr;
+  std::optional<Face> largest;
   for (const FaceId face_id : complex.blocks()[block].faces) {
     const Face& face = complex.faces()[face_id];
     if (face.role != topology::Role::free) continue;
-    if (largest == nullptr || face.area > largest->area) largest = &face;
+    if (!largest || face.area > largest->area) largest = face;
   }
-  if (largest == nullptr) return {};
+  if (!largest) return {};
   Vec3 direction = -largest->outward;
   for (const Vec3 better : wanted) {
     if (dot(better, largest->outward) < -0.3) {

@@ -16,8 +16,8 @@ namespace cleave::stability {
 /// An edge of a block between an open face and a joint face that is not.
 struct KeyedEdge {
   topology::VertexId from, to;
-  const topology::Face* open;
-  const topology::Face* beyond;  ///< the joint face
+  topology::FaceId open;
+  topology::FaceId beyond;  ///< the joint face
 };
 [[nodiscard]] std::vector<KeyedEdge> keyed_edges(const topology::BlockComplex& complex, topology::BlockId block,
                                                  const std::function<bool(topology::BlockId)>& gone);

@@ -13,17 +13,10 @@ namespace cleave::stability {
 inline void prefetch(const topology::BlockComplex& complex, std::span<const topology::BlockId> blocks, std::size_t at) {
   if (at + 12 < blocks.size()) __builtin_prefetch(&complex.blocks()[blocks[at + 12]]);
   if (at + 6 < blocks.size()) {
-    for (const topology::FaceId id : complex.blocks()[blocks[at + 6]].faces) {
-      const topology::Face& face = complex.faces()[id];
-      __builtin_prefetch(&face.role);
-      __builtin_prefetch(&face.patch_count);  // a face is longer than a cache line
-    }
+    for (const topology::FaceId id : complex.blocks()[blocks[at + 6]].faces) complex.faces().prefetch(id, false);
   }
   if (at + 3 < blocks.size()) {
-    for (const topology::FaceId id : complex.blocks()[blocks[at + 3]].faces) {
-      const auto patches = complex.patches(complex.faces()[id]);
-      if (!patches.empty()) __builtin_prefetch(&patches.front());
-    }
+    for (const topology::FaceId id : complex.blocks()[blocks[at + 3]].faces) complex.faces().prefetch(id, true);
   }
 }
 

@@ -80,14 +80,14 @@ void Ties::add_seams(BlockId block, double per_metre, const std::function<bool(B
     // Where several blocks lie beyond, the edge may run along any of them.
     std::optional<BlockId> beyond;
     bool one = true;
-    for (const topology::Patch& patch : complex_->patches(*edge.beyond)) {
+    for (const topology::Patch& patch : complex_->patches(complex_->faces()[edge.beyond])) {
       if (!patch.neighbour) continue;
       one = one && (!beyond || *beyond == *patch.neighbour);
       beyond = patch.neighbour;
     }
     if (!beyond || !one) continue;
     const Vec3 a = complex_->position(edge.from), b = complex_->position(edge.to);
-    seams_.push_back({block, *beyond, 0.5 * (a + b), edge.open->outward, per_metre * norm(b - a)});
+    seams_.push_back({block, *beyond, 0.5 * (a + b), complex_->faces()[edge.open].outward, per_metre * norm(b - a)});
   }
 }
 

@@ -61,7 +61,8 @@ ForceSum water_forces(const BlockComplex& complex, const Actions& actions, Vec3 
     if (face.role == topology::Role::window && table) push(face, over_face(complex, face, *table));  // rock goes on
     if (face.role != topology::Role::joint) continue;
     std::vector<const Patch*> hydrostatic;
-    for (const Patch& patch : complex.patches(face)) {
+    const topology::PatchRange patches = complex.patches(face);
+    for (const Patch& patch : patches) {
       if (!patch.neighbour) continue;
       if (!there(*patch.neighbour)) {
         if (table && spec.water->on_free_faces) hydrostatic.push_back(&patch);
@@ -74,7 +75,7 @@ ForceSum water_forces(const BlockComplex& complex, const Actions& actions, Vec3 
       }
     }
     if (!table || hydrostatic.empty()) continue;
-    if (hydrostatic.size() == complex.patches(face).size()) {
+    if (hydrostatic.size() == patches.size()) {
       push(face, over_face(complex, face, *table));
       continue;
     }
@@ -88,7 +89,7 @@ ForceSum water_forces(const BlockComplex& complex, const Actions& actions, Vec3 
       for (const Patch* patch : hydrostatic) {
         if (patch->neighbour == neighbour) wanted += patch->area.si();
       }
-      for (const Patch& patch : complex.patches(face)) {
+      for (const Patch& patch : patches) {
         if (patch.neighbour == neighbour) all += patch.area.si();
       }
       if (all > 0) push(face, (wanted / all) * over_contact(complex, face, neighbour, *table));

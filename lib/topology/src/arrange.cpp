@@ -349,6 +349,12 @@ Arrangement arrange(const Prepared& prepared, const Traces& traces, const Graph&
   });
   out.loops = joined(parts, &Part::loops, threads, [](Index&, std::size_t) {});
   out.covers = joined(parts, &Part::covers, threads, [](Index&, std::size_t) {});
+  if (std::ranges::max(out.half_turn) < 1U << 15U) {
+    out.short_direction.resize(half_edges);
+    std::ranges::transform(out.direction, out.short_direction.begin(),
+                           [](Index rank) { return static_cast<std::uint16_t>(rank); });
+    let_go(out.direction);
+  }
   return out;
 }
 

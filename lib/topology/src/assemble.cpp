@@ -20,20 +20,20 @@ namespace {
 using geometry::Vec3;
 
 /// Blocks are numbered in the order of their cells.
-void number_blocks(const Cells& cells, BlockParts& parts, ThreadLimit threads) {
+void number_blocks(Cells& cells, BlockParts& parts, ThreadLimit threads) {
   std::vector<Index> block_of_cell(cells.count, none);
   Index blocks = 0;
   for (Index c = 0; c < cells.count; ++c) {
     if (cells.rock[c] != 0) block_of_cell[c] = blocks++;
   }
   const std::size_t faces = parts.arrangement.faces.size();
-  parts.block_of.assign(2 * faces, none);
+  parts.block_of = std::move(cells.of_half_face);
   parts.present.assign(faces, 0);
   in_pieces(faces, 16384, threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t f = first; f < last; ++f) {
       for (const std::size_t h : {2 * f, 2 * f + 1}) {
-        const Index cell = cells.of_half_face[h];
-        if (cell != none) parts.block_of[h] = block_of_cell[cell];
+        Index& at = parts.block_of[h];
+        if (at != none) at = block_of_cell[at];
       }
       parts.present[f] = parts.block_of[2 * f] != parts.block_of[2 * f + 1] ? 1 : 0;
     }
@@ -58,8 +58,12 @@ void link_present(Cells& cells, BlockParts& parts, ThreadLimit threads) {
   for (std::size_t f = 0; f < parts.present.size() && all; ++f) {
     all = (parts.arrangement.faces[f].cover_count != 0) == (parts.present[f] != 0);
   }
-  parts.links =
-      all ? std::move(cells.links) : link_around_edges(parts.graph, parts.arrangement, parts.present, threads);
+  if (all) {
+    parts.links = std::move(cells.links);
+  } else {
+    cells.links = {};
+    parts.links = link_around_edges(parts.graph, parts.arrangement, parts.present, threads);
+  }
 }
 
 /// Which faces are pieces of folded polygons, and what walking over them needs.
@@ -91,7 +95,8 @@ double extent_of_domain(const CutInput& input) {
 /// whichever thread comes along, while others go on making.
 class Joiner {
  public:
-  Joiner(std::size_t shares, MadeBlocks& out) : out_{out}, waiting_(shares) {}
+  Joiner(std::size_t shares, const BlockParts& parts, MadeBlocks& out)
+      : out_{out}, packer_{out.faces, parts.normals}, measures_(parts.present.size(), none), waiting_(shares) {}
 
   /// `blocks` are those of the share; their faces get their final numbers.
   void hand_in(std::size_t share, MadeBlocks made, std::span<Block> blocks) {
@@ -112,26 +117,18 @@ class Joiner {
  private:
   void append(MadeBlocks more, std::span<Block> blocks) {
     const auto faces = static_cast<Index>(out_.faces.size()), corners = static_cast<Index>(out_.corners.size()),
-               holes = static_cast<Index>(out_.hole_starts.size()), patches = static_cast<Index>(out_.patches.size());
-    if (faces == 0) {
-      out_ = std::move(more);
-      return;
-    }
-    for (Face& face : more.faces) {
-      face.first_corner += corners;
-      face.first_hole += holes;
-      face.first_patch += patches;
-    }
+               holes = static_cast<Index>(out_.hole_starts.size());
     for (Block& block : blocks) {
       block.faces = {FaceId{block.faces.front().index() + faces}, static_cast<Index>(block.faces.size())};
     }
-    out_.faces.insert(out_.faces.end(), more.faces.begin(), more.faces.end());
+    packer_.append(std::move(more.faces), corners, holes, more.measure_of, measures_);
     out_.corners.insert(out_.corners.end(), more.corners.begin(), more.corners.end());
     out_.hole_starts.insert(out_.hole_starts.end(), more.hole_starts.begin(), more.hole_starts.end());
-    out_.patches.insert(out_.patches.end(), more.patches.begin(), more.patches.end());
   }
 
   MadeBlocks& out_;
+  FacePacker packer_;
+  std::vector<Index> measures_;  ///< of each plane face
   Mutex mutex_;
   std::vector<std::optional<std::pair<MadeBlocks, std::span<Block>>>> waiting_;
   std::size_t next_ = 0;
@@ -140,9 +137,8 @@ class Joiner {
 
 /// Each thread makes shares of neighbouring blocks, and their faces are concatenated: what comes out does not
 /// depend on where the shares end.
-std::vector<Block> make_blocks(const BlockParts& parts, ThreadLimit threads, MadeBlocks& out) {
+std::vector<Block> make_blocks(BlockParts& parts, ThreadLimit threads, MadeBlocks& out) {
   const std::size_t blocks = parts.begin.size() - 1;
-  std::vector<Index> flank_place(parts.links.to.size(), none);
   const Block empty{{}, {}, {}, {}, true, false, false, {}, false, false};
   std::vector<Block> made(blocks, empty);
   const std::size_t shares =
@@ -154,18 +150,25 @@ std::vector<Block> make_blocks(const BlockParts& parts, ThreadLimit threads, Mad
   }
   std::size_t corners = 0;
   for (const Index to : parts.links.to) corners += to != none ? 1 : 0;
-  Joiner joiner{shares, out};
+  // All memory at once, as much as may be needed: what is not used is never touched.
+  const std::size_t measures = parts.half_faces.size() / 2 + parts.present.size() / 2;
+  FacePacker{out.faces, parts.normals}.reserve(parts.half_faces.size(), measures);
+  out.corners.reserve(corners);
+  if (shares == 1) {
+    std::vector<Index> measure_of_face(parts.present.size(), none);
+    BlockMaker maker{parts, parts.links.to, out, &measure_of_face};
+    for (std::size_t b = 0; b < blocks; ++b) made[b] = maker.make(static_cast<Index>(b));
+    return made;
+  }
+  Joiner joiner{shares, parts, out};
   std::atomic<std::size_t> next{0};
   parallel_for(shares, threads, [&](std::size_t) {
     const std::size_t s = next++;  // in order, so that what is made can be put together soon
     MadeBlocks own;
-    // All memory at once, as much as may be needed (for all shares in the first): what is not used is never touched.
-    const std::size_t half_faces =
-        s == 0 ? parts.half_faces.size() : parts.begin[share_begin[s + 1]] - parts.begin[share_begin[s]];
-    own.faces.reserve(half_faces);
-    own.patches.reserve(half_faces);
-    own.corners.reserve(s == 0 ? corners : corners / shares);
-    BlockMaker maker{parts, flank_place, own};
+    const std::size_t half_faces = parts.begin[share_begin[s + 1]] - parts.begin[share_begin[s]];
+    FacePacker{own.faces, parts.normals}.reserve(half_faces, half_faces);
+    own.corners.reserve(corners / shares);
+    BlockMaker maker{parts, parts.links.to, own, nullptr};
     for (std::size_t b = share_begin[s]; b < share_begin[s + 1]; ++b) made[b] = maker.make(static_cast<Index>(b));
     joiner.hand_in(s, std::move(own), std::span{made}.subspan(share_begin[s], share_begin[s + 1] - share_begin[s]));
   });
@@ -236,11 +239,12 @@ double rock_volume(const BlockParts& parts, const Cells& cells) {
     return cell != none && cells.in_domain[cell] != 0 && cells.rock[cell] == 0;
   };
   std::vector<Index> walls;  // seen from the rock
+  Cones cones{parts.prepared, parts.arrangement, parts.positions, parts.measures};
   double empty = 0;
   for (Index h = 0; h < cells.of_half_face.size(); ++h) {
     if (!in_void(h) || in_void(h ^ 1U)) continue;
     walls.push_back(h ^ 1U);
-    empty += h % 2 == 0 ? -parts.measures[h / 2].cone : parts.measures[h / 2].cone;
+    empty += h % 2 == 0 ? -cones.of(h / 2) : cones.of(h / 2);
   }
   const auto& surface = parts.prepared.domain_surface;
   if (const auto domain = domain_volume(surface)) {
@@ -272,8 +276,10 @@ std::vector<ExcavatedVolume> excavated_volumes(const BlockParts& parts, const Ce
       beyond_earlier = beyond_earlier || goes_on;
     }
   };
+  Cones cones{parts.prepared, parts.arrangement, parts.positions, parts.measures};
   for (Index h = 0; count > 0 && h < cells.of_half_face.size(); ++h) {
-    add(h, h % 2 == 0 ? -parts.measures[h / 2].cone : parts.measures[h / 2].cone);
+    if (parts.arrangement.faces[h / 2].cover_count == 0) continue;
+    add(h, h % 2 == 0 ? -cones.of(h / 2) : cones.of(h / 2));
   }
   std::vector<ExcavatedVolume> volumes(count);
   const double unit = parts.scale * parts.scale * parts.scale / 3;
@@ -283,13 +289,11 @@ std::vector<ExcavatedVolume> excavated_volumes(const BlockParts& parts, const Ce
   return volumes;
 }
 
-void finish_report(const BlockParts& parts, const Cells& cells, BlockComplex::Data& out) {
+void finish_report(const BlockParts& parts, BlockComplex::Data& out) {
   const Prepared& prepared = parts.prepared;
   out.planes = IdVector<PlaneId, exact::Plane>{std::vector<exact::Plane>(
       prepared.planes.begin(), prepared.planes.begin() + static_cast<std::ptrdiff_t>(prepared.facet_planes))};
-  out.rock_volume = cubic_metres(rock_volume(parts, cells) * parts.scale * parts.scale * parts.scale);
   CutReport& report = out.report;
-  report.excavated = excavated_volumes(parts, cells);
   report.lattice_pitch_m = prepared.lattice.pitch();
   report.largest_snap_m = prepared.largest_snap.si();
   report.coarse_snap = prepared.coarse_snap;
@@ -318,10 +322,10 @@ void finish_report(const BlockParts& parts, const Cells& cells, BlockComplex::Da
 
 }  // namespace
 
-BlockComplex::Data assemble(const CutInput& input, const Prepared& prepared, const Graph& graph,
-                            const Arrangement& arrangement, Cells cells, const std::vector<Vec>& positions,
-                            const std::vector<FaceMeasure>& measures, ThreadLimit threads,
-                            const std::vector<std::uint8_t>* excavated) {
+BlockComplex::Packed assemble(const CutInput& input, const Prepared& prepared, const Graph& graph,
+                              const Arrangement& arrangement, Cells cells, const std::vector<Vec>& positions,
+                              const std::vector<FaceMeasure>& measures, ThreadLimit threads,
+                              const std::vector<std::uint8_t>* excavated, Graph* no_more_needed) {
   const auto& origin = prepared.lattice.origin();
   BlockParts parts{.prepared = prepared,
                    .graph = graph,
@@ -334,6 +338,7 @@ BlockComplex::Data assemble(const CutInput& input, const Prepared& prepared, con
                    .block_of = {},
                    .present = {},
                    .links = {},
+                   .line_of = {},
                    .begin = {},
                    .half_faces = {},
                    .sheets = {},
@@ -346,26 +351,39 @@ BlockComplex::Data assemble(const CutInput& input, const Prepared& prepared, con
     const auto n = prepared.planes[p].unit_normal();
     parts.normals.push_back({n[0], n[1], n[2]});
   }
+  BlockComplex::Packed packed;
+  BlockComplex::Data& out = packed.rest;
+  out.origin = parts.origin;
+  out.rock_volume = cubic_metres(rock_volume(parts, cells) * parts.scale * parts.scale * parts.scale);
+  out.report.excavated = excavated_volumes(parts, cells);
   number_blocks(cells, parts, threads);
   link_present(cells, parts, threads);
+  parts.line_of.resize(graph.uses.size());
+  for (const Edge& edge : graph.edges) {
+    std::ranges::fill(std::span{parts.line_of}.subspan(edge.first_use, edge.use_count), edge.line);
+  }
+  if (no_more_needed != nullptr && !prepared.keep_dangling) {
+    let_go(no_more_needed->edges);
+    let_go(no_more_needed->uses);
+    let_go(no_more_needed->slots);
+    let_go(no_more_needed->lines);
+  }
   find_sheets(parts);
-  BlockComplex::Data out;
-  out.origin = parts.origin;
   MadeBlocks made;
   out.blocks = IdVector<BlockId, Block>{make_blocks(parts, threads, made)};
   VertexNumbers vertices{parts, out};
   vertices.number(std::move(made.corners), threads);
-  out.faces = IdVector<FaceId, Face>{std::move(made.faces)};
+  packed.faces = std::move(made.faces);
   out.hole_starts = std::move(made.hole_starts);
-  out.patches = std::move(made.patches);
-  finish_report(parts, cells, out);
+  finish_report(parts, out);
   if (prepared.keep_dangling) {
     std::vector<Vec3> points;
     for (const Vec& p : positions) points.push_back(parts.scale * Vec3{p[0], p[1], p[2]});
     out.dangling = find_dangling(prepared, graph, arrangement, parts.block_of, points,
                                  [&](Index vertex) { return vertices.id(vertex); });
   }
-  return out;
+  FacePacker::finish(packed.faces, std::move(parts.normals));
+  return packed;
 }
 
 }  // namespace cleave::topology::detail

@@ -48,7 +48,7 @@ Nature BlockParts::nature(Index half_face) const {
 }
 
 bool BlockMaker::internal(Index flank) const {
-  const Index to = parts_.links.to[flank];
+  const Index to = link(flank);
   const bool flat = to == (flank ^ 2U);  // the other half-edge of the same use, same side
   if (!flat && parts_.sheets.empty()) return false;
   const Index a = parts_.half_face_of(flank), b = parts_.half_face_of(to);
@@ -81,16 +81,18 @@ Block BlockMaker::make(Index block) {
   find_shells();
   count_vertices();
 
+  faces_.clear();
+  patches_.clear();
   const FaceId first{out_.faces.size()};
   Block made{{first, faces}, {}, {}, {}, true, false, false, {}, false, false};
   for (Index face = 0; face < faces; ++face) {
     add_face(face, block);
-    const Face& added = out_.faces.back();
+    const Face& added = faces_.back();
     made.fixed = made.fixed || added.role == Role::fixed;
     made.truncated = made.truncated || added.role == Role::window;
     made.free = made.free || added.role == Role::free;
   }
-  measure(made, first);
+  measure(made);
   // A hole of a face needs no look: what fills it is flush with the face (another role), or goes down from it and turns
   // in again at a re-entrant edge.
   made.convex = shell_count_ == 1 && !has_reflex_edge();
@@ -101,9 +103,27 @@ Block BlockMaker::make(Index block) {
   made.counts = {vertex_count_, edge_sides_ / 2,
                  faces,         static_cast<std::uint32_t>(loops_.size()),
                  shell_count_,  sound ? static_cast<std::uint32_t>(twice_genus / 2) : UINT32_MAX};
-  made.thickness = metres(thickness(first) * parts_.scale);
+  made.thickness = metres(thickness() * parts_.scale);
   made.sliver = made.thickness.si() < parts_.sliver_below;
+  pack_faces();
   return made;
+}
+
+/// A face that is one plane face has its measures in common with the face on the other side.
+void BlockMaker::pack_faces() {
+  for (Index face = 0; face < faces_.size(); ++face) {
+    const bool alone = face_begin_[face + std::size_t{1}] - face_begin_[face] == 1;
+    const Index plane_face = alone ? members_[face_begin_[face]] / 2 : none;
+    const Face& made = faces_[face];
+    const std::span own = std::span{patches_}.subspan(made.first_patch, made.patch_count);
+    if (measures_ != nullptr) {
+      Index of_none = none;
+      packer_.add(made, own, alone ? (*measures_)[plane_face] : of_none);
+    } else {
+      packer_.add(made, own);
+      out_.measure_of.resize(packer_.measures(), plane_face);
+    }
+  }
 }
 
 /// Half-faces that go straight on into one another are one face; faces in the order of their first half-faces.
@@ -117,6 +137,7 @@ void BlockMaker::group_faces(std::span<const Index> half_faces) {
   };
   bool merged = false;
   any_internal_ = false;
+  half_edges_ = 0;
   for (Index k = 0; k < count; ++k) {
     const Index side = half_faces[k] % 2;
     const PlaneFace& face = parts_.arrangement.faces[half_faces[k] / 2];
@@ -125,9 +146,10 @@ void BlockMaker::group_faces(std::span<const Index> half_faces) {
       Index h = start;
       do {
         const Index flank = 2 * h + side;
-        if ((parts_.links.to[flank] == (flank ^ 2U) || !parts_.sheets.empty()) && internal(flank)) {
+        ++half_edges_;
+        if ((links_[flank] == (flank ^ 2U) || !parts_.sheets.empty()) && internal(flank)) {
           any_internal_ = true;
-          const Index other = parts_.half_face_of(parts_.links.to[flank]);
+          const Index other = parts_.half_face_of(links_[flank]);
           if (other < half_faces[k]) {
             const auto at = std::ranges::lower_bound(half_faces, other);
             const Index a = find(static_cast<Index>(at - half_faces.begin())), b = find(k);
@@ -170,7 +192,7 @@ void BlockMaker::walk_loops(Index half_face, Index face) {
     Index h = start;
     do {
       const Index flank = 2 * h + half_face % 2;
-      if (place_[flank] == none && !internal(flank)) walk_loop(flank, face);
+      if ((links_[flank] & walked) == 0 && !internal(flank)) walk_loop(flank, face);
       h = parts_.arrangement.next[h];
     } while (h != start);
   }
@@ -185,9 +207,9 @@ void BlockMaker::walk_loop(Index start, Index face) {
   Index flank = start;
   do {
     const auto at = static_cast<Index>(sides_.size());
-    place_[flank] = at;
     Index h = flank / 2;
-    sides_.push_back({flank, parts_.arrangement.start[side == 1 ? h ^ 1U : h], at + 1, none, face, false});
+    sides_.push_back({flank, parts_.arrangement.start[side == 1 ? h ^ 1U : h], at + 1, links_[flank], face, false});
+    links_[flank] |= walked;
     h = parts_.arrangement.next[h];
     while (any_internal_ && internal(2 * h + side)) h = parts_.arrangement.next[h ^ 1U];
     flank = 2 * h + side;
@@ -198,7 +220,6 @@ void BlockMaker::walk_loop(Index start, Index face) {
   } else {
     std::reverse(sides_.begin() + first, sides_.end());
     for (Index k = first; k < first + count; ++k) {
-      place_[sides_[k].flank] = k;
       sides_[k].next = k + 1 < first + count ? k + 1 : first;
     }
   }
@@ -216,18 +237,20 @@ void BlockMaker::walk_folded_loop(Index start, Index face) {
   Index flank = start;
   do {
     const auto at = static_cast<Index>(sides_.size());
-    place_[flank] = at;
     const Index h = flank / 2;
-    sides_.push_back({flank, parts_.arrangement.start[flank % 2 == 1 ? h ^ 1U : h], at + 1, none, face, false});
+    const Index head = parts_.arrangement.start[flank % 2 == 1 ? h ^ 1U : h];
+    sides_.push_back({flank, head, at + 1, links_[flank], face, false});
+    links_[flank] |= walked;
     flank = after(flank);
-    while (any_internal_ && internal(flank)) flank = after(parts_.links.to[flank]);
+    while (any_internal_ && internal(flank)) flank = after(link(flank));
   } while (flank != start);
   sides_.back().next = first;
   loops_.push_back({first, static_cast<Index>(sides_.size()) - first});
 }
 
 void BlockMaker::pair_sides() {
-  for (Side& side : sides_) side.partner = place_[parts_.links.to[side.flank]];
+  for (Index k = 0; k < sides_.size(); ++k) links_[sides_[k].flank] = k;
+  for (Side& side : sides_) side.partner = links_[side.partner];
 }
 
 void BlockMaker::find_shells() {
@@ -263,9 +286,7 @@ void BlockMaker::count_vertices() {
   corners_.clear();
   seen_.assign(sides_.size(), 0);
   if (!parts_.sheets.empty()) count_left();
-  const auto line_of = [&](Index side) {
-    return parts_.graph.edges[parts_.graph.uses[sides_[side].flank / 4].edge].line;
-  };
+  const auto line_of = [&](Index side) { return parts_.line_of[sides_[side].flank / 4]; };
   for (Index side = 0; side < sides_.size(); ++side) {
     if (seen_[side] != 0) continue;
     Index size = 0, at = side;
@@ -340,7 +361,7 @@ void BlockMaker::add_face(Index face, Index block) {
             .outward = positive ? -normal : normal,
             .area = {},
             .centroid = {}};
-  made.first_patch = static_cast<Index>(out_.patches.size());
+  made.first_patch = static_cast<Index>(patches_.size());
   // Areas and moments about the start of the first half-face; in units first.
   const auto apex_of = [&](Index half_face) {
     const PlaneFace& f = parts_.arrangement.faces[half_face / 2];
@@ -361,25 +382,25 @@ void BlockMaker::add_face(Index face, Index block) {
     const auto neighbour = nature.role == Role::joint && beyond != none ? std::optional{BlockId{beyond}} : std::nullopt;
     const Index joint_number = h == first ? nature.joint : parts_.nature(h).joint;
     const auto joint = joint_number == none ? std::nullopt : std::optional{JointId{joint_number}};
-    auto patch = std::ranges::find_if(out_.patches.begin() + made.first_patch, out_.patches.end(),
+    auto patch = std::ranges::find_if(patches_.begin() + made.first_patch, patches_.end(),
                                       [&](const Patch& p) { return p.neighbour == neighbour && p.joint == joint; });
-    if (patch == out_.patches.end()) {
-      out_.patches.push_back({joint, neighbour, {}, {}});
-      patch = out_.patches.end() - 1;
+    if (patch == patches_.end()) {
+      patches_.push_back({joint, neighbour, {}, {}});
+      patch = patches_.end() - 1;
     }
     patch->area += square_metres(std::abs(m.area));  // slivers may seem to turn the other way in doubles
     patch->centroid += own;
   }
   const double square = parts_.scale * parts_.scale;
-  for (Patch& patch : std::span{out_.patches}.subspan(made.first_patch)) {
+  for (Patch& patch : std::span{patches_}.subspan(made.first_patch)) {
     patch.centroid = centre(patch.centroid, patch.area.si());
     patch.area = square * patch.area;
   }
-  made.patch_count = static_cast<Index>(out_.patches.size()) - made.first_patch;
+  made.patch_count = static_cast<Index>(patches_.size()) - made.first_patch;
   made.area = square_metres(square * std::abs(area));
   made.centroid = centre(moment, area);
   add_loops(face, made);
-  out_.faces.push_back(made);
+  faces_.push_back(made);
 }
 
 /// The outer loop first: it turns once round to the left.
@@ -411,8 +432,8 @@ bool BlockMaker::turns_left(const Loop& loop, Index plane) const {
   std::int64_t turning = 0;
   for (Index k = loop.first; k < loop.first + loop.count; ++k) {
     const Index flank = sides_[k].flank;
-    const Index from = parts_.arrangement.direction[flank / 2];
-    const Index to = parts_.arrangement.direction[sides_[sides_[k].next].flank / 2];
+    const Index from = parts_.arrangement.direction_of(flank / 2);
+    const Index to = parts_.arrangement.direction_of(sides_[sides_[k].next].flank / 2);
     // Directions grow counter-clockwise seen from the positive side; a block there is looked at from the other side and
     // its faces are walked backwards, which changes the sense of each turn.
     const Index step = (to + 2 * half - from) % (2 * half);
@@ -433,7 +454,10 @@ double BlockMaker::area_of(const Loop& loop, Vec3 outward) const {
 }
 
 bool BlockMaker::has_reflex_edge() const {
-  return std::ranges::any_of(sides_, [&](const Side& side) { return parts_.links.reflex[side.flank] != 0; });
+  return std::ranges::any_of(sides_, [&](const Side& side) {
+    const Index h = side.flank / 2;
+    return side.flank % 2 == h % 2 && parts_.links.reflex[h] != 0;
+  });
 }
 
 }  // namespace cleave::topology::detail

@@ -12,7 +12,7 @@ using geometry::Vec3;
 
 /// Volume and centroid from the cones over the faces, by integers where doubles cannot tell them to a thousandth; the
 /// shell that holds the others becomes number 0.
-void BlockMaker::measure(Block& block, FaceId first) {
+void BlockMaker::measure(Block& block) {
   const auto half_faces = std::span{members_};
   const auto apex_of = [&](Index half_face) {
     const PlaneFace& f = parts_.arrangement.faces[half_face / 2];
@@ -21,7 +21,7 @@ void BlockMaker::measure(Block& block, FaceId first) {
   const Vec3 apex = apex_of(half_faces.front());
   shell_volumes_.assign(shell_count_, 0);
   Vec3 moment{};
-  double volume = 0, error = 0;
+  double volume = 0, size = 0, highest = 0;
   const auto faces = static_cast<Index>(face_begin_.size() - 1);
   for (Index face = 0; face < faces; ++face) {
     for (Index k = face_begin_[face]; k < face_begin_[face + 1]; ++k) {
@@ -32,14 +32,25 @@ void BlockMaker::measure(Block& block, FaceId first) {
       const double height = h % 2 == 0 ? -along : along;
       const double part = m.area * height;  // three volumes, exact where coordinates are round
       volume += part;
-      error += std::abs(m.area) + m.perimeter * std::abs(height);
+      size += std::abs(m.area);
+      highest = std::max(highest, std::abs(height));
       moment += (height / 4) * (m.area * from + m.moment3 / 3);
       shell_volumes_[shell_[face]] += part;
     }
   }
   std::optional<Vec3> centroid;
-  // Corners move by 2^-40 at most, and with them heights and areas along their rims.
-  if (!(error * 0x1p-40 <= volume * 0x1p-10)) {
+  // Corners move by 2^-40 at most, and with them heights and areas along their rims. No side is longer than 3 units,
+  // which nearly always is enough to know.
+  const auto told = [&](double error) { return error * 0x1p-40 <= volume * 0x1p-10; };
+  const auto error = [&] {
+    double sum = 0;
+    for (const Index h : half_faces) {
+      const double along = geometry::dot(parts_.normals[parts_.arrangement.faces[h / 2].plane], apex_of(h) - apex);
+      sum += std::abs(parts_.measures[h / 2].area) + perimeter(h) * std::abs(along);
+    }
+    return sum;
+  };
+  if (!told(1.001 * (size + 3 * static_cast<double>(half_edges_) * highest)) && !told(error())) {
     const FixedMeasure exactly = measure_exactly();
     volume = 3 * exactly.volume();
     centroid = exactly.centroid();
@@ -48,7 +59,7 @@ void BlockMaker::measure(Block& block, FaceId first) {
   if (shell_count_ > 1) {
     const auto outer = static_cast<Index>(std::ranges::max_element(shell_volumes_) - shell_volumes_.begin());
     for (Index face = 0; face < faces; ++face) {
-      Index& shell = out_.faces[first.index() + face].shell;
+      Index& shell = faces_[face].shell;
       if (shell == outer) {
         shell = 0;
       } else if (shell == 0) {
@@ -60,6 +71,10 @@ void BlockMaker::measure(Block& block, FaceId first) {
   block.volume = cubic_metres(volume * parts_.scale * parts_.scale * parts_.scale);
   if (!centroid) centroid = apex + moment / volume;
   block.centroid = parts_.origin + parts_.scale * *centroid;
+}
+
+double BlockMaker::perimeter(Index half_face) const {
+  return perimeter_of(parts_.arrangement, parts_.positions, half_face / 2);
 }
 
 /// Sets the volumes of the shells too.
@@ -80,12 +95,12 @@ FixedMeasure BlockMaker::measure_exactly() {
 }
 
 /// Smallest width across the largest faces (in units): a thin block is thin across a large face.
-double BlockMaker::thickness(FaceId first) {
+double BlockMaker::thickness() {
   constexpr Index most = 8;
   const auto faces = static_cast<Index>(face_begin_.size() - 1);
   by_area_.resize(faces);
   std::iota(by_area_.begin(), by_area_.end(), Index{0});
-  const auto face = [&](Index k) -> const Face& { return out_.faces[first.index() + k]; };
+  const auto face = [&](Index k) -> const Face& { return faces_[k]; };
   if (faces > most) {
     std::ranges::nth_element(by_area_, by_area_.begin() + most, [&](Index a, Index b) {
       return face(a).area > face(b).area || (face(a).area == face(b).area && a < b);

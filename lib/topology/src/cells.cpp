@@ -71,17 +71,17 @@ class CellFinder {
 
   /// Of each connected piece the one shell that looks outwards: its volume is negative and the largest in size.
   void find_outsides() {
-    std::vector<double> volume(shell_count_, 0), error(shell_count_, 0);
+    std::vector<double> volume(shell_count_, 0);
+    double area = 0;
+    Cones cones{prepared_, arrangement_, positions_, measures_};
     DisjointSets<Index> connected{shell_count_};
     for (Index f = 0; f < faces_; ++f) {
       if (!covered(f)) continue;
-      const FaceMeasure& measure = measures_[f];
-      const double size = std::abs(measure.area) + measure.perimeter;
+      const double cone = cones.of(f);
+      area += std::abs(measures_[f].area);
       const Index positive = shell_of_[2 * f], negative = shell_of_[2 * f + 1];
-      volume[positive] -= measure.cone;
-      volume[negative] += measure.cone;
-      error[positive] += size;
-      error[negative] += size;
+      volume[positive] -= cone;
+      volume[negative] += cone;
       connected.join(positive, negative);
     }
     piece_of_shell_.assign(shell_count_, none);
@@ -98,13 +98,33 @@ class CellFinder {
       several[piece] = 1;
       if (volume[shell] < volume[outside_[piece]]) outside_[piece] = shell;
     }
-    // Positions are good to 2^-43: so are the height of each face, and the area along its rim.
-    std::vector<Index> unclear;
-    for (Index piece = 0; piece < outside_.size(); ++piece) {
-      if (several[piece] != 0 && volume[outside_[piece]] > -(error[outside_[piece]] * 0x1p-39))
-        unclear.push_back(piece);
+    // Positions are good to 2^-43: so are the height of each face, and the area along its rim. No side is longer than 3
+    // units: for large pieces that is enough to know.
+    const auto unclear = [&](const auto& error) {
+      std::vector<Index> pieces;
+      for (Index piece = 0; piece < outside_.size(); ++piece) {
+        if (several[piece] != 0 && volume[outside_[piece]] > -(error(outside_[piece]) * 0x1p-39))
+          pieces.push_back(piece);
+      }
+      return pieces;
+    };
+    const double most = 1.001 * (area + 3 * static_cast<double>(arrangement_.next.size()));
+    if (unclear([&](Index) { return most; }).empty()) return;
+    const std::vector<double> error = errors();
+    const std::vector<Index> pieces = unclear([&](Index shell) { return error[shell]; });
+    if (!pieces.empty()) find_exactly(pieces, volume);
+  }
+
+  /// Of each shell: areas and perimeters of its faces.
+  [[nodiscard]] std::vector<double> errors() const {
+    std::vector<double> error(shell_count_, 0);
+    for (Index f = 0; f < faces_; ++f) {
+      if (!covered(f)) continue;
+      const double size = std::abs(measures_[f].area) + perimeter_of(arrangement_, positions_, f);
+      error[shell_of_[2 * f]] += size;
+      error[shell_of_[2 * f + 1]] += size;
     }
-    if (!unclear.empty()) find_exactly(unclear, volume);
+    return error;
   }
 
   /// The outsides of pieces so thin that doubles do not tell, by integers; the likeliest shells are asked first.

@@ -8,6 +8,7 @@
 #include "cleave/core/overloaded.hpp"
 #include "detail/assemble.hpp"
 #include "detail/phases.hpp"
+#include "detail/pieces.hpp"
 
 namespace cleave::topology {
 
@@ -33,22 +34,27 @@ std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOption
   CLEAVE_TRY(const Prepared prepared, prepare(input));
   Signs signs{prepared};
   constexpr std::size_t limit = std::size_t{1} << 29U;
-  const Traces traces = find_traces(prepared, signs, threads);
-  const Graph graph = build_graph(prepared, traces, signs, threads);
+  Traces traces = find_traces(prepared, signs, threads);
+  Graph graph = build_graph(prepared, traces, signs, threads);
   if (graph.uses.size() > limit) return std::unexpected(CutError{TooLarge{"edges"}});
   const std::vector<Vec> positions = positions_of(prepared, graph, threads);
   const Arrangement arrangement = arrange(prepared, traces, graph, positions, signs, threads);
+  const auto intersections = static_cast<std::uint64_t>(
+      std::ranges::count(traces.intervals, none, [](const Interval& interval) { return interval.outline_of; }));
+  let_go(traces.lines);
+  let_go(traces.intervals);
+  graph.let_approximations_go();
   const std::vector<FaceMeasure> measures = measure_faces(prepared, arrangement, positions, threads);
   Cells cells = find_cells(prepared, graph, arrangement, positions, measures, threads);
-  BlockComplex::Data data =
-      assemble(input, prepared, graph, arrangement, std::move(cells), positions, measures, threads, nullptr);
+  BlockComplex::Packed packed =
+      assemble(input, prepared, graph, arrangement, std::move(cells), positions, measures, threads, nullptr, &graph);
+  BlockComplex::Data& data = packed.rest;
   if (data.blocks.empty()) return std::unexpected(CutError{DomainSwallowed{}});
-  data.report.intersections = static_cast<std::uint64_t>(
-      std::ranges::count(traces.intervals, none, [](const Interval& interval) { return interval.outline_of; }));
+  data.report.intersections = intersections;
   data.report.near_misses = near_misses(prepared, traces.gaps);
   data.report.predicate_calls = signs.calls();
   data.report.predicate_exact = signs.exact_calls();
-  return BlockComplex{std::move(data)};
+  return BlockComplex{std::move(packed)};
 }
 
 }  // namespace cleave::topology

@@ -83,10 +83,10 @@ ExactBlock ExactBlocks::measure(BlockId id) const {
     }
     return entry->second;
   };
-  const VertexId base = complex_.loops(complex_.faces()[block.faces.front()])[0][0];
+  const VertexId base = complex_.loops(block.faces.front())[0][0];
   FixedMeasure measure{at(base)};
   for (const FaceId f : block.faces) {
-    const LoopRange loops = complex_.loops(complex_.faces()[f]);
+    const LoopRange loops = complex_.loops(f);
     const VertexId apex = loops[0][0];
     double perimeter = 0;
     for (const auto loop : loops) {

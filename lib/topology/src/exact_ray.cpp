@@ -4,8 +4,8 @@
 
 namespace cleave::topology::detail {
 
-ExactRay::ExactRay(const Prepared& prepared, const Graph& graph, const Arrangement& arrangement, const Vertex& a,
-                   const Vertex& b, double share, std::array<std::int64_t, 3> direction)
+ExactRay::ExactRay(const Prepared& prepared, const Graph& graph, const Arrangement& arrangement, const Meet& a,
+                   const Meet& b, double share, std::array<std::int64_t, 3> direction)
     : prepared_{prepared}, graph_{graph}, arrangement_{arrangement}, direction_{direction} {
   const RationalPoint p = rational_position(prepared, a), q = rational_position(prepared, b);
   const Rational part{share};
@@ -16,7 +16,7 @@ ExactRay::Hit ExactRay::shoot(Index f) const {
   const PlaneFace& face = arrangement_.faces[f];
   const auto& n = prepared_.planes[face.plane].normal();
   const RationalPoint corner =
-      rational_position(prepared_, graph_.vertices[arrangement_.start[arrangement_.loops[face.first_loop]]]);
+      rational_position(prepared_, graph_.meet(arrangement_.start[arrangement_.loops[face.first_loop]]));
   Rational height = 0, rate = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     const boost::multiprecision::cpp_int c{n[k]};
@@ -39,10 +39,10 @@ ExactRay::Hit::Kind ExactRay::inside(const PlaneFace& face, const RationalPoint&
   for (Index l = face.first_loop; l < face.first_loop + face.loop_count; ++l) {
     const Index start = arrangement_.loops[l];
     Index h = start;
-    RationalPoint a = rational_position(prepared_, graph_.vertices[arrangement_.start[h]]);
+    RationalPoint a = rational_position(prepared_, graph_.meet(arrangement_.start[h]));
     do {
       h = arrangement_.next[h];
-      const RationalPoint b = rational_position(prepared_, graph_.vertices[arrangement_.start[h]]);
+      const RationalPoint b = rational_position(prepared_, graph_.meet(arrangement_.start[h]));
       if (b[v] == p[v]) return Hit::Kind::unclear;  // past a corner: another ray will do
       if ((a[v] > p[v]) != (b[v] > p[v])) {
         const Rational off = (b[u] - a[u]) * (p[v] - a[v]) - (b[v] - a[v]) * (p[u] - a[u]);

@@ -5,10 +5,9 @@
 
 namespace cleave::topology::detail {
 
-RationalPoint rational_position(const Prepared& prepared, const Vertex& vertex) {
-  const auto meet =
-      exact::exact_meet(exact::exact_line(prepared.planes[vertex.planes[0]], prepared.planes[vertex.planes[1]]),
-                        prepared.planes[vertex.planes[2]]);
+RationalPoint rational_position(const Prepared& prepared, const Meet& planes) {
+  const auto meet = exact::exact_meet(exact::exact_line(prepared.planes[planes[0]], prepared.planes[planes[1]]),
+                                      prepared.planes[planes[2]]);
   // The rational type takes no negative denominator.
   const bool negative = meet.w < 0;
   const auto positive = [negative](const exact::Int512& value) {
@@ -52,7 +51,7 @@ void ExactMeasures::for_each_triangle(Index half_face, const auto& visit) const 
 const exact::FixedPoint& ExactMeasures::point(Index vertex) {
   const auto [entry, added] = points_.try_emplace(vertex);
   if (added) {
-    const auto& planes = graph_.vertices[vertex].planes;
+    const auto& planes = graph_.meet(vertex);
     const auto meet =
         exact::fixed_meet(prepared_.planes[planes[0]], prepared_.planes[planes[1]], prepared_.planes[planes[2]]);
     CLEAVE_ASSERT(meet.has_value());
@@ -78,9 +77,9 @@ exact::Sign ExactMeasures::sign(std::span<const Index> half_faces) {
   Rational six_volumes = 0;
   for (const Index half_face : half_faces) {
     for_each_triangle(half_face, [&](Index a, Index b, Index c) {
-      six_volumes += determinant(rational_position(prepared_, graph_.vertices[a]),
-                                 rational_position(prepared_, graph_.vertices[b]),
-                                 rational_position(prepared_, graph_.vertices[c]));
+      six_volumes +=
+          determinant(rational_position(prepared_, graph_.meet(a)), rational_position(prepared_, graph_.meet(b)),
+                      rational_position(prepared_, graph_.meet(c)));
     });
   }
   return exact::sign_of(six_volumes);

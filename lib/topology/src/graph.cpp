@@ -56,7 +56,7 @@ LineClasses group_lines(const Prepared& prepared, const Traces& traces, Crossing
   out.on.resize(out.crossings.on_lines.size());
   next = out.on_begin;
   for (const OnLine& on : out.crossings.on_lines) out.on[next[class_of[on.line]]++] = on;
-  out.crossings.on_lines = {};
+  let_go(out.crossings.on_lines);
   out.on_end.assign(classes, 0);
   out.sorted.resize(out.on.size());
 
@@ -394,6 +394,13 @@ Graph build_graph(const Prepared& prepared, const Traces& traces, Signs& signs, 
   for (const auto& part : parts) signs.add_counts(part.signs);
   join(parts, graph, threads);
   return graph;
+}
+
+void Graph::let_approximations_go() {
+  meets.reserve(vertices.size());
+  for (const Vertex& vertex : vertices) meets.push_back(vertex.planes);
+  let_go(vertices);
+  let_go(outlines);
 }
 
 std::vector<Vec> positions_of(const Prepared& prepared, const Graph& graph, ThreadLimit threads) {

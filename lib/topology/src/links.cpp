@@ -8,7 +8,7 @@ namespace cleave::topology::detail {
 Links link_around_edges(const Graph& graph, const Arrangement& arrangement, const std::vector<std::uint8_t>& present,
                         ThreadLimit threads) {
   Links links{std::vector<Index>(4 * graph.uses.size(), none),
-              std::vector<std::uint8_t>(4 * graph.uses.size(), std::uint8_t{0})};
+              std::vector<std::uint8_t>(2 * graph.uses.size(), std::uint8_t{0})};
   struct Half {
     Index place, half_edge;
   };
@@ -40,7 +40,7 @@ Links link_around_edges(const Graph& graph, const Arrangement& arrangement, cons
         links.to[leaving] = arriving;
         links.to[arriving] = leaving;
         const Index span = to.place > from.place ? to.place - from.place : to.place + 2 * planes - from.place;
-        if (span > planes) links.reflex[leaving] = 1;  // 2 n: one half-plane alone
+        if (span > planes) links.reflex[h] = 1;  // 2 n: one half-plane alone
       }
     }
   });

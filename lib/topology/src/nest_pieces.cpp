@@ -213,7 +213,7 @@ class Nester {
       Vec ray{};
       for (std::size_t k = 0; k < 3; ++k) ray[k] = static_cast<double>(direction[k]) * 0x1p-30;
       const double share = 0.5 + 0.25 * random();
-      const ExactRay exact{prepared_, graph_,   arrangement_, graph_.vertices[side.from], graph_.vertices[side.to],
+      const ExactRay exact{prepared_, graph_,   arrangement_, graph_.meet(side.from), graph_.meet(side.to),
                            share,     direction};
       const Vec &a = positions_[side.from], &b = positions_[side.to];
       const Vec from{a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])};
@@ -254,7 +254,7 @@ class Nester {
 
   /// Exact.
   [[nodiscard]] Sign side_of(Index vertex, Index face) const {
-    const auto& [p, q, r] = graph_.vertices[vertex].planes;
+    const auto& [p, q, r] = graph_.meet(vertex);
     const Index plane = arrangement_.faces[face].plane;
     if (plane == p || plane == q || plane == r) return Sign::zero;
     return exact::side_exact(prepared_.planes[p], prepared_.planes[q], prepared_.planes[r], prepared_.planes[plane]);

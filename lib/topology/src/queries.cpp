@@ -105,7 +105,7 @@ std::vector<geometry::Box> boxes_of(const BlockComplex& complex) {
   for (const Block& block : complex.blocks()) {
     geometry::Box box;
     for (const FaceId number : block.faces) {
-      const LoopRange loops = complex.loops(complex.faces()[number]);
+      const LoopRange loops = complex.loops(number);
       if (loops.empty()) continue;
       for (const VertexId corner : loops.front()) box.add(complex.vertices()[corner]);
     }

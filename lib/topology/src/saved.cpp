@@ -387,7 +387,7 @@ Dangling dangling_of(const KeptDangling& d) {
 }  // namespace
 
 std::string saved(const AuditedComplex& audited) {
-  const BlockComplex::Data& data = audited.complex().data();
+  const BlockComplex::Data data = audited.complex().data();
   Kept out{.vertices = {},
            .origin = numbers(data.origin),
            .faces = {},

@@ -37,6 +37,7 @@ std::expected<SequentialCut, CutError> SequentialCut::make(CutInput input, const
   if (graph.uses.size() > (std::size_t{1} << 29U)) return std::unexpected(CutError{TooLarge{"edges"}});
   std::vector<Vec> positions = positions_of(prepared, graph, threads);
   Arrangement arrangement = arrange(prepared, traces, graph, positions, signs, threads);
+  graph.let_approximations_go();
   std::vector<FaceMeasure> measures = measure_faces(prepared, arrangement, positions, threads);
   Cells cells = find_cells(prepared, graph, arrangement, positions, measures, threads);
   cells.links = {};  // the blocks of each stage make their own
@@ -89,8 +90,9 @@ std::expected<StageBlocks, CutError> SequentialCut::blocks(const WorkState& stat
   now.of_half_face.reserve(cells.of_half_face.size());
   for (const Index cell : cells.of_half_face) now.of_half_face.push_back(cell == none ? none : number[cell]);
 
-  BlockComplex::Data data =
+  BlockComplex::Packed packed =
       assemble(input, prepared, graph, arrangement, now, positions, measures, ThreadLimit::one(), &state.excavated);
+  BlockComplex::Data& data = packed.rest;
   if (data.blocks.empty()) return std::unexpected(CutError{DomainSwallowed{}});
   data.report.predicate_calls = calls;
   data.report.predicate_exact = exact;
@@ -101,7 +103,7 @@ std::expected<StageBlocks, CutError> SequentialCut::blocks(const WorkState& stat
     if (now.rock[c] != 0) block_of[c] = blocks++;
   }
   CLEAVE_ASSERT(blocks == data.blocks.size());
-  StageBlocks result{BlockComplex{std::move(data)}, {}};
+  StageBlocks result{BlockComplex{std::move(packed)}, {}};
   result.block_of_cell.reserve(cells.count);
   for (Index c = 0; c < cells.count; ++c) {
     const Index b = block_of[number[c]];

@@ -44,7 +44,7 @@ class BlockAuditor final {
       return number;
     };
     for (std::uint32_t f = 0; f < block.faces.size(); ++f) {
-      for (const auto loop : complex_.loops(complex_.faces()[block.faces[f]])) {
+      for (const auto loop : complex_.loops(block.faces[f])) {
         const auto first = static_cast<std::uint32_t>(sides_.size());
         const auto count = static_cast<std::uint32_t>(loop.size());
         std::uint32_t from = local(loop[0]);
@@ -119,8 +119,7 @@ class BlockAuditor final {
     const std::size_t faces = block_->faces.size();
     sums_.assign(faces, {});
     for (std::uint32_t f = 0; f < faces; ++f) {
-      sums_[root(f)].faces_less_loops +=
-          2 - static_cast<std::int64_t>(complex_.loops(complex_.faces()[block_->faces[f]]).size());
+      sums_[root(f)].faces_less_loops += 2 - static_cast<std::int64_t>(complex_.loops(block_->faces[f]).size());
     }
     for (const AuditSide& side : sides_) ++sums_[root(side.face)].sides;
     for (const std::uint32_t s : first_of_fan_) ++sums_[root(sides_[s].face)].vertices;
@@ -251,7 +250,7 @@ class BlockAuditor final {
   /// Of two faces about an edge at nearly the same angle: whether the first is met after the second, counter-clockwise
   /// about the axis. Exact for faces whose planes hold the edge.
   [[nodiscard]] bool comes_after(std::uint32_t s, std::uint32_t t, Vec3 axis) const {
-    const Face &one = face_of(s), &other = face_of(t);
+    const Face one = face_of(s), other = face_of(t);
     const auto line = exact::exact_line(complex_.planes()[one.plane], complex_.planes()[other.plane]);
     const Vec3 size{std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)};
     const std::size_t k = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
@@ -259,7 +258,7 @@ class BlockAuditor final {
     const bool flipped = (along < 0) != (turned(s, one) != turned(t, other));
     return flipped ? line.m.at(k) > 0 : line.m.at(k) < 0;
   }
-  [[nodiscard]] const Face& face_of(std::uint32_t s) const { return complex_.faces()[block_->faces[sides_[s].face]]; }
+  [[nodiscard]] Face face_of(std::uint32_t s) const { return complex_.faces()[block_->faces[sides_[s].face]]; }
   /// Whether the face's plane has to be turned for its normal, crossed with the axis, to point into the face.
   [[nodiscard]] bool turned(std::uint32_t s, const Face& face) const {
     return face.block_on_positive_side == (sides_[s].from < sides_[s].to);

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "detail/face_packer.hpp"
 #include "detail/phases.hpp"
 
 namespace cleave::topology::detail {
@@ -28,7 +29,8 @@ struct BlockParts {
   std::vector<geometry::Vec3> normals;         ///< unit normal of each facet plane
   std::vector<Index> block_of;                 ///< of each half-face; none where there is no rock
   std::vector<std::uint8_t> present;           ///< of each face: it has different blocks on its sides
-  Links links;                                 ///< between the present faces
+  Links links;                                 ///< between the present faces; makers use up what is of their blocks
+  std::vector<Index> line_of;                  ///< of each use: its line
   std::vector<Index> begin, half_faces;        ///< half-faces of each block in order (CSR)
   std::vector<Index> sheets;                   ///< of each face: Facet::sheet; empty where no polygon is folded
   std::vector<Index> before;                   ///< with sheets: of each half-edge, the one before it in its loop
@@ -57,18 +59,20 @@ struct BlockParts {
 
 /// Faces of neighbouring blocks; corners are vertices of the graph still.
 struct MadeBlocks {
-  std::vector<Face> faces;
+  PackedFaces faces;
   std::vector<VertexId> corners;
   std::vector<Index> hole_starts;
-  std::vector<Patch> patches;
+  std::vector<Index> measure_of;  ///< of each measure of `faces`: the plane face that has it, or none
 };
 
 /// Makes blocks one by one and adds their faces to a MadeBlocks.
 class BlockMaker final {
  public:
-  /// `flank_place` (one entry a flank) is shared by all makers: each writes only to the flanks of its own blocks.
-  BlockMaker(const BlockParts& parts, std::vector<Index>& flank_place, MadeBlocks& out)
-      : parts_{parts}, place_{flank_place}, out_{out} {}
+  /// `links` are those of the parts, and shared by all makers: each writes only to the flanks of its own blocks.
+  /// `measures`, of each plane face where its measures are in `out`: for one maker of all blocks. Without it, `out`
+  /// says what they are of, for those who put it together.
+  BlockMaker(const BlockParts& parts, std::vector<Index>& links, MadeBlocks& out, std::vector<Index>* measures)
+      : parts_{parts}, links_{links}, out_{out}, packer_{out.faces, parts.normals}, measures_{measures} {}
 
   [[nodiscard]] Block make(Index block);
 
@@ -79,13 +83,14 @@ class BlockMaker final {
     Index flank;
     Index head;     ///< the vertex where it ends
     Index next;     ///< the side after it in its loop
-    Index partner;  ///< the side of the face met next around the edge, inside the block
+    Index partner;  ///< the side of the face met next around the edge, inside the block; until paired, its flank
     Index face;     ///< of the block
     bool dropped;   ///< its head is a straight vertex, no corner
   };
   struct Loop {
     Index first, count;
   };
+  static constexpr Index walked = Index{1} << 31U;  // flanks have smaller numbers
 
   void group_faces(std::span<const Index> half_faces);
   void walk_loops(Index half_face, Index face);
@@ -99,19 +104,26 @@ class BlockMaker final {
   void find_shells();
   void add_face(Index face, Index block);
   void add_loops(Index face, Face& made);
+  void pack_faces();
   [[nodiscard]] bool turns_left(const Loop& loop, Index plane) const;
   [[nodiscard]] double area_of(const Loop& loop, geometry::Vec3 outward) const;
   [[nodiscard]] bool has_reflex_edge() const;
-  void measure(Block& block, FaceId first);
+  void measure(Block& block);
   [[nodiscard]] FixedMeasure measure_exactly();
-  [[nodiscard]] double thickness(FaceId first);
+  [[nodiscard]] double thickness();
   /// A flank whose face goes straight on beyond the edge, in one role: inside a merged face.
   [[nodiscard]] bool internal(Index flank) const;
+  [[nodiscard]] Index link(Index flank) const { return links_[flank] & ~walked; }
+  [[nodiscard]] double perimeter(Index half_face) const;
 
   const BlockParts& parts_;
-  std::vector<Index>& place_;
+  std::vector<Index>& links_;  ///< of flanks that are walked already with the mark `walked`, of paired ones their sides
   MadeBlocks& out_;
+  FacePacker packer_;
+  std::vector<Index>* measures_;
 
+  std::vector<Face> faces_;        ///< of the block
+  std::vector<Patch> patches_;     ///< of those
   bool any_internal_ = false;      ///< some edge of the plane faces is none of the block
   std::vector<Index> members_;     ///< half-faces of the block by face
   std::vector<Index> face_begin_;  ///< first member of each face
@@ -125,6 +137,7 @@ class BlockMaker final {
   std::vector<Index> loop_of_, left_;  ///< of each side its loop, and the corners left of each; where there are sheets
   std::vector<double> shell_volumes_;
   std::vector<Index> by_area_;
+  std::size_t half_edges_ = 0;  ///< of the block's half-faces
   Index vertex_count_ = 0, edge_sides_ = 0, shell_count_ = 0;
 };
 

@@ -11,8 +11,8 @@ namespace cleave::topology::detail {
 class ExactRay final {
  public:
   /// From the part `share` of the way between two vertices.
-  ExactRay(const Prepared& prepared, const Graph& graph, const Arrangement& arrangement, const Vertex& a,
-           const Vertex& b, double share, std::array<std::int64_t, 3> direction);
+  ExactRay(const Prepared& prepared, const Graph& graph, const Arrangement& arrangement, const Meet& a, const Meet& b,
+           double share, std::array<std::int64_t, 3> direction);
 
   struct Hit {
     enum class Kind : std::uint8_t { missed, met, unclear } kind;  ///< unclear: it passes through the face's rim

@@ -46,12 +46,12 @@ class FitAuditor final {
       ++out.misfits;
       if (named != nullptr) named->push_back({of, b, face});
     };
-    if (block.faces.empty() || complex_.faces()[block.faces[0]].corner_count == 0) {
+    if (block.faces.empty() || complex_.loops(block.faces[0]).empty()) {
       misfit(Misfit::Of::corners);
       out.closure = 1;
       return out;
     }
-    const Vec3 apex = complex_.vertices()[complex_.loops(complex_.faces()[block.faces[0]])[0][0]];
+    const Vec3 apex = complex_.vertices()[complex_.loops(block.faces[0])[0][0]];
     Vec3 sum{};
     double size = 0, surface = 0;
     bool fixed = false, free = false, truncated = false;
@@ -179,7 +179,7 @@ class FitAuditor final {
       total = next;
     };
     for (const FaceId f : block.faces) {
-      for (const auto loop : complex_.loops(complex_.faces()[f])) {
+      for (const auto loop : complex_.loops(f)) {
         Vec3 a = complex_.vertices()[loop.back()] - apex;
         for (const VertexId v : loop) {
           const Vec3 b = complex_.vertices()[v] - apex, part = 0.5 * geometry::cross(a, b);

@@ -45,8 +45,9 @@ struct Traces {
 
 // ---- Phase 3 and 4: vertices and edges -----------------------------------------------------------------------------
 
+using Meet = std::array<Index, 3>;
 struct Vertex {
-  std::array<Index, 3> planes;  ///< any three planes that meet there and nowhere else
+  Meet planes;  ///< any three planes that meet there and nowhere else
   exact::PointApprox approx;
 };
 
@@ -82,12 +83,17 @@ struct OutlineMark {
 };
 
 struct Graph {
-  std::vector<Vertex> vertices;
+  std::vector<Vertex> vertices;  ///< until their approximations are let go
+  std::vector<Meet> meets;       ///< then: their planes
   std::vector<LineClass> lines;
   std::vector<Slot> slots;
   std::vector<Edge> edges;
   std::vector<Use> uses;              ///< uses of one edge are neighbours
   std::vector<OutlineMark> outlines;  ///< sorted by use
+
+  [[nodiscard]] const Meet& meet(Index vertex) const { return meets.empty() ? vertices[vertex].planes : meets[vertex]; }
+  /// Lets go what the faces of planes were found with; their positions are known.
+  void let_approximations_go();
 };
 [[nodiscard]] Graph build_graph(const Prepared& prepared, const Traces& traces, Signs& signs, ThreadLimit threads);
 
@@ -100,28 +106,52 @@ struct PlaneFace {
 };
 
 struct Arrangement {
-  std::vector<Index> next;       ///< of each half-edge: the next one of its loop
-  std::vector<Index> start;      ///< of each half-edge: the vertex it starts from
-  std::vector<Index> direction;  ///< of each half-edge: rank of its direction in its plane, 0 .. 2 n - 1
-  std::vector<Index> half_turn;  ///< n of each facet plane
-  std::vector<Index> face;       ///< of each half-edge: the face on its left, `none` where no facet is
+  std::vector<Index> next;                     ///< of each half-edge: the next one of its loop
+  std::vector<Index> start;                    ///< of each half-edge: the vertex it starts from
+  std::vector<Index> direction;                ///< of each half-edge: rank of its direction in its plane, 0 .. 2 n - 1
+  std::vector<std::uint16_t> short_direction;  ///< in place of these, when all are small enough
+  std::vector<Index> half_turn;                ///< n of each facet plane
+  std::vector<Index> face;                     ///< of each half-edge: the face on its left, `none` where no facet is
   std::vector<PlaneFace> faces;
   std::vector<Index> loops;  ///< a half-edge of each loop
   std::vector<Index> covers;
+
+  [[nodiscard]] Index direction_of(Index half_edge) const {
+    return short_direction.empty() ? direction[half_edge] : short_direction[half_edge];
+  }
 };
 [[nodiscard]] Arrangement arrange(const Prepared& prepared, const Traces& traces, const Graph& graph,
                                   const std::vector<Vec>& positions, Signs& signs, ThreadLimit threads);
 
-/// Measures of one plane face: area (units^2), perimeter (at least; units), and three times the first moment of area
-/// about the start of its first loop, and three times the volume of the cone over it from the origin (units^3); a unit
-/// is 2^48 sites.
+/// Measures of one plane face: area (units^2), and three times the first moment of area about the start of its first
+/// loop (units^3); a unit is 2^48 sites.
 struct FaceMeasure {
-  double area, perimeter;
+  double area;
   geometry::Vec3 moment3;
-  double cone;
 };
 [[nodiscard]] std::vector<FaceMeasure> measure_faces(const Prepared& prepared, const Arrangement& arrangement,
                                                      const std::vector<Vec>& positions, ThreadLimit threads);
+
+/// Perimeter of a plane face, at least; units.
+[[nodiscard]] double perimeter_of(const Arrangement& arrangement, const std::vector<Vec>& positions, Index face);
+
+/// Three times the volumes of the cones over plane faces from the origin, units^3.
+class Cones final {
+ public:
+  Cones(const Prepared& prepared, const Arrangement& arrangement, const std::vector<Vec>& positions,
+        const std::vector<FaceMeasure>& measures) noexcept
+      : prepared_{prepared}, arrangement_{arrangement}, positions_{positions}, measures_{measures} {}
+  /// Fast where neighbouring faces are asked for one after the other.
+  [[nodiscard]] double of(Index face);
+
+ private:
+  const Prepared& prepared_;
+  const Arrangement& arrangement_;
+  const std::vector<Vec>& positions_;
+  const std::vector<FaceMeasure>& measures_;
+  Index plane_ = none;
+  geometry::Vec3 normal_{};
+};
 
 // ---- Phase 6: cells -------------------------------------------------------------------------------------------------
 
@@ -131,8 +161,8 @@ struct Links {
   /// Of each flank: the one met first when turning around the edge from that side; both look into the same cell. `none`
   /// where there is no face.
   std::vector<Index> to;
-  /// Of each flank from which the turning goes counter-clockwise about the edge (2 h + h % 2): whether the two faces
-  /// make an angle of more than half a turn.
+  /// Of the flank of each half-edge h from which the turning goes counter-clockwise about the edge (2 h + h % 2):
+  /// whether the two faces make an angle of more than half a turn.
   std::vector<std::uint8_t> reflex;
 };
 /// Only faces for which `present` holds count.

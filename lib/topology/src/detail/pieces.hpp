@@ -62,6 +62,12 @@ template <class Part, class T>
   return offsets;
 }
 
+/// Gives the memory back, too; `values = {}` would keep it.
+template <class T>
+void let_go(std::vector<T>& values) {
+  std::vector<T>{}.swap(values);
+}
+
 /// Sums up what the numbers in `begin` count, so that begin[i] .. begin[i + 1] are the places of group i (CSR); they
 /// are counted one place further on.
 template <class Number>

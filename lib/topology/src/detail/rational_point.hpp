@@ -11,6 +11,6 @@ using Rational = boost::multiprecision::cpp_rational;
 using RationalPoint = std::array<Rational, 3>;
 
 /// Where a vertex is, sites; exact.
-[[nodiscard]] RationalPoint rational_position(const Prepared& prepared, const Vertex& vertex);
+[[nodiscard]] RationalPoint rational_position(const Prepared& prepared, const Meet& planes);
 
 }  // namespace cleave::topology::detail

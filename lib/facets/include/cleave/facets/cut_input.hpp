@@ -54,7 +54,7 @@ struct CutInput {
   /// > 0: near-coincident planes are merged and joint edges within this distance of another joint adopt its plane.
   Length snap = metres(0);
   std::vector<Termination> terminations = {};
-  /// Keeps the parts of joints that separate nothing (BlockComplex::Data::dangling). The blocks are the same.
+  /// Keeps the parts of joints that separate nothing (BlockComplex::dangling). The blocks are the same.
   bool keep_dangling = false;
   /// Only what lies in this box is cut, on the lattice of the whole scene: blocks that do not reach the window's sides
   /// are those of the whole scene, with the same corners; the others are marked truncated.

@@ -348,7 +348,7 @@ void fields(V& v, const RunResult& x) {
     "Blocks below the limits of [micro_blocks], or thinner than 1e-6 of the domain; absent with policy = \"keep\".");
   const topology::Dangling none{};
   const topology::Dangling* kept =
-      x.complex && x.complex->complex().data().dangling ? &*x.complex->complex().data().dangling : nullptr;
+      x.complex && x.complex->complex().dangling() ? &*x.complex->complex().dangling() : nullptr;
   const topology::Dangling& d = kept != nullptr ? *kept : none;
   v("dangling", when(kept != nullptr, group([&](auto& w) {
                        w("pieces", d.pieces.size(), "flat parts, each inside one block");

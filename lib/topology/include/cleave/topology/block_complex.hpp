@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -9,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "cleave/core/assert.hpp"
 #include "cleave/core/id.hpp"
 #include "cleave/core/quantity.hpp"
 #include "cleave/exact/plane.hpp"
@@ -91,6 +93,28 @@ struct Patch {
   geometry::Vec3 centroid;  ///< m, absolute coordinates
 };
 
+/// The patches of one face: those that are kept, or the only one, which follows from the face. The references that it
+/// gives are good as long as it is there itself.
+class PatchRange final {
+ public:
+  explicit PatchRange(std::span<const Patch> kept) noexcept : kept_{kept} {}
+  explicit PatchRange(const Patch& only) noexcept : only_{only}, alone_{true} {}
+
+  [[nodiscard]] std::size_t size() const noexcept { return all().size(); }
+  [[nodiscard]] bool empty() const noexcept { return all().empty(); }
+  [[nodiscard]] Patch operator[](std::size_t k) const { return all()[k]; }
+  [[nodiscard]] Patch front() const { return all().front(); }
+  [[nodiscard]] auto begin() const noexcept { return all().begin(); }
+  [[nodiscard]] auto end() const noexcept { return all().end(); }
+
+ private:
+  [[nodiscard]] std::span<const Patch> all() const noexcept { return alone_ ? std::span<const Patch>{only_} : kept_; }
+
+  std::span<const Patch> kept_;
+  std::array<Patch, 1> only_{};
+  bool alone_ = false;
+};
+
 /// A flat face of one block: coplanar pieces of the same role that touch along edges are one face. Where several
 /// coplanar joints (or excavations) make up one face, `joint`, `excavation` and `tag` are those of its first piece; the
 /// patches have the joint of each part. Loops and patches lie in flat arrays of the complex: `BlockComplex::loops` and
@@ -112,7 +136,142 @@ struct Face {
   geometry::Vec3 centroid;                           ///< m, absolute
   std::uint32_t first_corner = 0, corner_count = 0;  ///< corners of all loops, into Data::corners
   std::uint32_t first_hole = 0, hole_count = 0;      ///< into Data::hole_starts
-  std::uint32_t first_patch = 0, patch_count = 0;    ///< into Data::patches
+  /// Into Data::patches. Of faces that a BlockComplex gives: for `BlockComplex::patches` alone.
+  std::uint32_t first_patch = 0, patch_count = 0;
+};
+
+namespace detail {
+class FacePacker;
+}
+
+/// All faces with their patches, in a fifth of the room: the normal is that of the plane, corners go on where those of
+/// the face before end, both sides of a contact share area and centroid, and one patch alone is its face again. A face
+/// of which something of this does not hold is kept whole, so each is given back as it was put in, bit for bit.
+class PackedFaces final {
+ public:
+  class Iterator {
+   public:
+    using value_type = Face;
+    using difference_type = std::ptrdiff_t;
+    Iterator() = default;
+    Iterator(const PackedFaces& faces, std::uint32_t at) noexcept : faces_{&faces}, at_{at} {}
+    [[nodiscard]] Face operator*() const { return (*faces_)[FaceId{at_}]; }
+    Iterator& operator++() noexcept {
+      ++at_;
+      return *this;
+    }
+    Iterator operator++(int) noexcept {
+      Iterator old = *this;
+      ++at_;
+      return old;
+    }
+    friend bool operator==(const Iterator& a, const Iterator& b) noexcept { return a.at_ == b.at_; }
+
+   private:
+    const PackedFaces* faces_ = nullptr;
+    std::uint32_t at_ = 0;
+  };
+
+  [[nodiscard]] Face operator[](FaceId id) const {
+    CLEAVE_ASSERT(id.index() < records_.size());
+    const Record& r = records_[id.index()];
+    if ((r.plane & whole) != 0) return whole_[r.measure];
+    const Measure& m = measures_[r.measure];
+    const auto [first, last] = corners(id);
+    const auto role = static_cast<Role>(r.plane >> 1U & 3U);
+    const bool positive = (r.plane & 1U) != 0, joint = role == Role::joint;
+    const geometry::Vec3& normal = normals_[r.plane >> plane_shift];
+    Face face{.block = BlockId{r.block},
+              .plane = PlaneId{r.plane >> plane_shift},
+              .block_on_positive_side = positive,
+              .role = role,
+              .shell = 0,
+              .joint = joint ? std::optional{JointId{r.cause}} : std::nullopt,
+              .excavation = joint || r.cause == nothing ? std::nullopt : std::optional{r.cause},
+              .tag = joint || r.beyond == nothing ? std::nullopt : std::optional{r.beyond},
+              .outward = positive ? -normal : normal,
+              .area = m.area,
+              .centroid = m.centroid,
+              .first_corner = first,
+              .corner_count = last - first};
+    if (joint && (r.beyond & several) != 0) {
+      face.first_patch = lists_[r.beyond & ~several].first;
+      face.patch_count = lists_[r.beyond & ~several].count;
+    } else {
+      face.first_patch = joint ? several | r.beyond : nothing;
+      face.patch_count = 1;
+    }
+    return face;
+  }
+  [[nodiscard]] std::size_t size() const noexcept { return records_.size(); }
+  [[nodiscard]] bool empty() const noexcept { return records_.empty(); }
+  /// All ids in order.
+  [[nodiscard]] IdRange<FaceId> ids() const noexcept { return {FaceId{0}, static_cast<std::uint32_t>(size())}; }
+  [[nodiscard]] Iterator begin() const noexcept { return {*this, 0}; }
+  [[nodiscard]] Iterator end() const noexcept { return {*this, static_cast<std::uint32_t>(size())}; }
+
+  /// The face where it is kept as it was put in; null where it is not.
+  [[nodiscard]] const Face* kept_whole(FaceId id) const {
+    CLEAVE_ASSERT(id.index() < records_.size());
+    const Record& r = records_[id.index()];
+    return (r.plane & whole) != 0 ? &whole_[r.measure] : nullptr;
+  }
+  /// Where the corners of a face that is not kept whole begin and end.
+  [[nodiscard]] std::array<std::uint32_t, 2> corners(FaceId id) const {
+    CLEAVE_ASSERT(id.index() < records_.size());
+    return {records_[id.index()].first_corner,
+            id.index() + 1 < records_.size() ? records_[id.index() + 1].first_corner : corner_count_};
+  }
+  /// Of a face that was got from here.
+  [[nodiscard]] PatchRange patches(const Face& face) const {
+    if (face.first_patch < several || face.patch_count != 1) {
+      return PatchRange{std::span{patches_}.subspan(face.first_patch, face.patch_count)};
+    }
+    const bool alone = face.first_patch == nothing;
+    const auto neighbour = alone ? std::nullopt : std::optional{BlockId{face.first_patch & ~several}};
+    return PatchRange{Patch{face.joint, neighbour, face.area, face.centroid}};
+  }
+
+  /// Asks memory for what a face is kept in; a hint. `measures`: for what the first call's answer leads to.
+  void prefetch(FaceId id, bool measures) const {
+    if (measures) {
+      const std::uint32_t at = records_[id.index()].measure;
+      if (at < measures_.size()) __builtin_prefetch(&measures_[at]);
+    } else {
+      __builtin_prefetch(&records_[id.index()]);
+    }
+  }
+
+ private:
+  friend class detail::FacePacker;
+  static constexpr std::uint32_t nothing = UINT32_MAX;
+  static constexpr std::uint32_t several = 1U << 31U;  ///< in `beyond`, before a place in `lists_`
+  static constexpr std::uint32_t whole = 8;            ///< in `plane`
+  static constexpr std::uint32_t plane_shift = 4;
+
+  struct Record {
+    std::uint32_t block;
+    std::uint32_t plane;         ///< its number, then the flags `whole`, role, and side
+    std::uint32_t cause;         ///< joint; excavation
+    std::uint32_t beyond;        ///< neighbour, or the list of patches; tag
+    std::uint32_t measure;       ///< into `measures_`; into `whole_`
+    std::uint32_t first_corner;  ///< they end where those of the next face begin
+  };
+  struct Measure {
+    Area area;
+    geometry::Vec3 centroid;
+  };
+  struct List {
+    std::uint32_t first, count;
+  };
+
+  std::vector<Record> records_;
+  std::vector<Measure> measures_;
+  std::vector<geometry::Vec3> normals_;  ///< of the planes
+  std::vector<Face> whole_;
+  std::vector<List> lists_;
+  std::vector<Patch> patches_;
+  std::uint32_t corner_count_ = 0;
 };
 
 /// Numbers of formula (B1) of Euler-Poincare for one block: V - E + F - (L - F) - 2 (S - G) = 0.
@@ -182,8 +341,10 @@ struct CutReport {
 };
 
 /// The blocks a scene falls into. Immutable; made by `cut`. Not yet checked: `audit` turns it into an AuditedComplex.
+/// Kept in as little room as holds it: faces and patches are made when they are asked for.
 class BlockComplex final {
  public:
+  /// The same with each thing by itself: to look at, to change, and for block systems written down by hand.
   struct Data {
     IdVector<VertexId, geometry::Vec3> vertices = {};  ///< m, relative to `origin`
     geometry::Vec3 origin = {};                        ///< m; add it to get absolute coordinates
@@ -209,26 +370,41 @@ class BlockComplex final {
     void set_loops(Face& face, const std::vector<std::vector<VertexId>>& loops);
     void set_patches(Face& face, std::span<const Patch> own);
   };
-  explicit BlockComplex(Data data) : data_{std::move(data)} {}
+  /// What is kept: `rest` is without faces and patches.
+  struct Packed {
+    PackedFaces faces;
+    Data rest;
+  };
+  explicit BlockComplex(Data data);
+  explicit BlockComplex(Packed packed) : kept_{std::move(packed)} {}
 
-  [[nodiscard]] const IdVector<VertexId, geometry::Vec3>& vertices() const noexcept { return data_.vertices; }
-  [[nodiscard]] geometry::Vec3 origin() const noexcept { return data_.origin; }
-  [[nodiscard]] geometry::Vec3 position(VertexId v) const { return data_.origin + data_.vertices[v]; }
-  [[nodiscard]] const IdVector<FaceId, Face>& faces() const noexcept { return data_.faces; }
+  [[nodiscard]] const IdVector<VertexId, geometry::Vec3>& vertices() const noexcept { return kept_.rest.vertices; }
+  [[nodiscard]] geometry::Vec3 origin() const noexcept { return kept_.rest.origin; }
+  [[nodiscard]] geometry::Vec3 position(VertexId v) const { return kept_.rest.origin + kept_.rest.vertices[v]; }
+  /// As `IdVector<FaceId, Face>`, but that each face is a value of its own.
+  [[nodiscard]] const PackedFaces& faces() const noexcept { return kept_.faces; }
   /// Loops of a face: [0] outer, counter-clockwise seen from outside; then holes, clockwise. A loop may pass a vertex
   /// twice (pinch).
-  [[nodiscard]] LoopRange loops(const Face& face) const { return data_.loops(face); }
+  [[nodiscard]] LoopRange loops(const Face& face) const { return kept_.rest.loops(face); }
+  [[nodiscard]] LoopRange loops(FaceId face) const {
+    if (const Face* whole = kept_.faces.kept_whole(face)) return loops(*whole);
+    const auto [first, last] = kept_.faces.corners(face);
+    return {std::span{kept_.rest.corners}.subspan(first, last - first), {}};
+  }
   /// Patches of a face; their areas add up to its area.
-  [[nodiscard]] std::span<const Patch> patches(const Face& face) const { return data_.patches_of(face); }
-  [[nodiscard]] const IdVector<BlockId, Block>& blocks() const noexcept { return data_.blocks; }
-  [[nodiscard]] const IdVector<PlaneId, exact::Plane>& planes() const noexcept { return data_.planes; }
+  [[nodiscard]] PatchRange patches(const Face& face) const { return kept_.faces.patches(face); }
+  [[nodiscard]] const IdVector<BlockId, Block>& blocks() const noexcept { return kept_.rest.blocks; }
+  [[nodiscard]] const IdVector<PlaneId, exact::Plane>& planes() const noexcept { return kept_.rest.planes; }
   /// Volume of the domain less what is excavated.
-  [[nodiscard]] Volume rock_volume() const noexcept { return data_.rock_volume; }
-  [[nodiscard]] const CutReport& report() const noexcept { return data_.report; }
-  [[nodiscard]] const Data& data() const noexcept { return data_; }
+  [[nodiscard]] Volume rock_volume() const noexcept { return kept_.rest.rock_volume; }
+  [[nodiscard]] const CutReport& report() const noexcept { return kept_.rest.report; }
+  /// What dangles, when it was asked for.
+  [[nodiscard]] const std::optional<Dangling>& dangling() const noexcept { return kept_.rest.dangling; }
+  /// A copy.
+  [[nodiscard]] Data data() const;
 
  private:
-  Data data_;
+  Packed kept_;
 };
 
 /// Blocks on the other side of a block's joints, each once, ascending. Those that it touches along an edge or at a
