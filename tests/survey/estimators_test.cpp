@@ -118,6 +118,32 @@ TEST(OrientationTest, TerzaghiWeightsUndoTheBias) {
   EXPECT_GT(corrected.capped, 100U);
 }
 
+// The cone is that of the law where joints are met so: a sample without the few heavy joints has no smaller one.
+TEST(OrientationTest, ConeDoesNotHangOnHeavyJointsMet) {
+  const double off = 64 * std::numbers::pi / 180, kappa = 10;
+  const Vec3 line{std::sin(off), 0, std::cos(off)};
+  Rng rng{5};
+  std::vector<Vec3> normals;
+  std::vector<double> weights;
+  std::vector<Sampling> met{sampling_of({.normal = {}, .set = {}, .line = line, .window = {}})};
+  while (normals.size() < 25) {
+    const double c = 1 + std::log1p(rng.uniform() * std::expm1(-2 * kappa)) / kappa;
+    const double psi = 2 * std::numbers::pi * rng.uniform(), s = std::sqrt(1 - c * c);
+    const Vec3 n{s * std::cos(psi), s * std::sin(psi), c};
+    if (dot(n, line) < 0.25 || rng.uniform() > dot(n, line)) continue;  // none of the heavy ones
+    normals.push_back(n);
+    weights.push_back(weight_of({.normal = n, .set = {}, .line = line, .window = {}}, 10));
+  }
+  met[0].joints = normals.size();
+  const FisherFit blind = fit_fisher(normals, weights), fit = fit_fisher(normals, weights, 0.95, 10, met);
+  EXPECT_FALSE(few_carry(blind));
+  EXPECT_GT(fit.cone_degrees, 1.2 * blind.cone_degrees);
+  EXPECT_LT(fit.expected_count, blind.effective_count);
+  // Equal weights: Fisher's own cone, met on whatever.
+  const std::vector<double> equal(normals.size(), 1.0);
+  EXPECT_EQ(fit_fisher(normals, equal, 0.95, 10, met).cone_degrees, fit_fisher(normals, equal).cone_degrees);
+}
+
 TEST(OrientationTest, ConesAndKappaCover) {
   int cones = 0, kappas = 0, refused = 0;
   constexpr int runs = 1000;
