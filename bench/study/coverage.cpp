@@ -105,13 +105,16 @@ void cones(study::Study& study, int samples) {
 void sizes(study::Study& study, int samples) {
   struct Rock {
     const char* name;
-    double mean, sigma, traces;  ///< sigma 0: exponential
+    double mean, sigma, traces;  ///< sigma 0: exponential; below: all of one size
   };
   for (const Rock& rock : {Rock{"exponential_3m", 3, 0, 39}, Rock{"exponential_3m", 3, 0, 150},
                            Rock{"lognormal_3m_2m", 3, std::sqrt(std::log1p(4.0 / 9)), 35},
-                           Rock{"lognormal_3m_2m", 3, std::sqrt(std::log1p(4.0 / 9)), 150}}) {
-    const bool exponential = rock.sigma == 0;
-    const double mu = std::log(rock.mean) - rock.sigma * rock.sigma / 2, variation = exponential ? 1 : 4.0 / 9;
+                           Rock{"lognormal_3m_2m", 3, std::sqrt(std::log1p(4.0 / 9)), 150}, Rock{"equal_4m", 4, -1, 40},
+                           Rock{"equal_4m", 4, -1, 150}}) {
+    const bool exponential = rock.sigma == 0, equal = rock.sigma < 0;
+    const double mu = std::log(rock.mean) - rock.sigma * rock.sigma / 2, variation = exponential ? 1
+                                                                                     : equal     ? 0
+                                                                                                 : 4.0 / 9;
     const double square = rock.mean * rock.mean * (1 + variation), trace = pi / 4 * square / rock.mean, radius = 5;
     const double p20 = rock.traces / (pi * radius * radius + 2 * radius * trace), p30 = p20 / rock.mean;
     int mean = 0, spread = 0, density = 0, collapsed = 0;
@@ -127,8 +130,9 @@ void sizes(study::Study& study, int samples) {
       constexpr double half = 25;
       for (double at = -std::log(rng.uniform()); at < p20 * 4 * half * half; at -= std::log(rng.uniform())) {
         // Met in proportion to its diameter.
-        const double d = exponential ? -rock.mean * std::log(rng.uniform() * rng.uniform())
-                                     : std::exp(mu + rock.sigma * rock.sigma + rock.sigma * rng.normal());
+        const double d = equal         ? rock.mean
+                         : exponential ? -rock.mean * std::log(rng.uniform() * rng.uniform())
+                                       : std::exp(mu + rock.sigma * rock.sigma + rock.sigma * rng.normal());
         const double u = rng.uniform(), l = d * std::sqrt(1 - u * u);
         const double x = half * (2 * rng.uniform() - 1), y = half * (2 * rng.uniform() - 1);
         window.traces.push_back({{x, y - l / 2}, {x, y + l / 2}});
@@ -156,7 +160,7 @@ void sizes(study::Study& study, int samples) {
     row(study, rock.name, "mean size after the choice of a law", setting, mean, samples, true);
     row(study, rock.name, "std of sizes after the choice of a law", setting, spread, samples, true);
     row(study, rock.name, "P30 after the choice of a law", setting, density, samples, true);
-    if (collapsed > 0) study.broken(fmt::format("{}: {} fits collapsed to one size", rock.name, collapsed));
+    if (collapsed > 0 && !equal) study.broken(fmt::format("{}: {} fits collapsed to one size", rock.name, collapsed));
   }
 }
 

@@ -396,6 +396,44 @@ TEST(FitTest, BootstrapPValuesAreUniform) {
   EXPECT_NEAR(alarms, 0.1 * runs, 4.5 * std::sqrt(0.09 * runs));
 }
 
+// A circle of 3 m mapped to 1 cm: traces cut at it end up to 7 mm off. What takes them so is found from the ends,
+// whatever the rounding; ends that are near by chance are no reason to say so.
+TEST(TracesTest, EndsCutOffByTheBorderAreFound) {
+  const CircleWindow circle{{0, 0}, 3};
+  int false_alarms = 0;
+  for (const double digit : {0.001, 0.01, 0.02, 0.0}) {  // 0: not cut
+    int found = 0;
+    for (std::uint64_t k = 0; k < 40; ++k) {
+      Rng rng{{.seed = 31, .realization = k}};
+      std::vector<Polyline> whole, map;
+      for (int i = 0; i < 250; ++i) {
+        const double l = 4 * rng.uniform(), x = 10 * (rng.uniform() - 0.5), y = 10 * (rng.uniform() - 0.5);
+        if (std::abs(x) >= 3) continue;
+        const double reach = std::sqrt(9 - x * x), low = std::max(y - l / 2, -reach), high = std::min(y + l / 2, reach);
+        if (high - low < 0.05) continue;
+        whole.push_back({{x, y - l / 2}, {x, y + l / 2}});
+        const auto digitised = [&](double v) { return digit > 0 ? digit * std::round(v / digit) : v; };
+        map.push_back({{digitised(x), digitised(low)}, {digitised(x), digitised(high)}});
+      }
+      if (digit == 0) {
+        false_alarms += cut_off_by_border(circle, whole).ends > 0 ? 1 : 0;
+        continue;
+      }
+      const CutOffEnds cut = cut_off_by_border(circle, map);
+      const double truth = p21_by_crossings(count(circle, seen_through(circle, whole))).value.value();
+      const double as_is = p21_by_crossings(count(circle, seen_through(circle, map))).value.value();
+      const double told = p21_by_crossings(count(circle, seen_through(circle, map, cut.border.si()))).value.value();
+      EXPECT_LT(as_is, 0.85 * truth);
+      found += cut.ends > 0 && std::abs(told - truth) < 0.06 * truth ? 1 : 0;
+      EXPECT_LT(cut.within.si(), 1.2 * digit) << digit;
+    }
+    if (digit > 0) {
+      EXPECT_GE(found, 36) << digit;
+    }
+  }
+  EXPECT_LE(false_alarms, 2);
+}
+
 // Traces that only a law of mostly tiny joints explains: a note says that mean size and P30 hang on the law.
 TEST(AnalysisTest, SaysWhenTracesAndSizesDisagree) {
   const auto notes_of = [](double sigma) {

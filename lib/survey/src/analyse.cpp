@@ -479,23 +479,18 @@ class Analysis final {
     }
   }
 
-  /// A map that was cut along its border has ends there, on this side or that by rounding.
+  /// A map that was cut along its border has ends there, on this side or that by rounding, or as near as it was
+  /// digitised: more of them than ends that fall there by chance.
   void note_border(const WindowSurvey& window) {
-    const double near = 1e-5 * std::sqrt(area_of(window.window));
-    if (window.border.si() >= near || window.traces.size() > 20000) return;
-    std::size_t at_border = 0, inside = 0;
-    for (const Polyline& line : window.traces) {
-      for (const MapPoint end : {line.front(), line.back()}) {
-        if (distance_to_border(window.window, end) > near) continue;
-        ++at_border;
-        inside += holds(window.window, end) ? 1U : 0U;
-      }
-    }
-    if (inside == 0) return;
+    const CutOffEnds cut = cut_off_by_border(window.window, window.traces);
+    if (cut.ends == 0 || window.border >= cut.within) return;
+    const double magnitude = std::pow(10, std::floor(std::log10(cut.border.si()))), share = cut.border.si() / magnitude;
+    const double border = (share <= 1 ? 1 : share <= 2 ? 2 : share <= 5 ? 5 : 10) * magnitude;
     out_.notes.push_back(fmt::format(
-        "window {}: {} ends of traces lie within {:.2g} m of its border and {} of them count as seen, though "
-        "the border has cut them off, it seems; border = {:.1g} takes them so",
-        window.name, at_border, near, inside, 10 * near));
+        "window {}: {} ends of traces lie within {:.2g} m of its border, where {:.1f} would by chance, and count as "
+        "seen, though the border has cut them off, it seems: P21 from crossings is too small; border = {:.1g} takes "
+        "them so",
+        window.name, cut.ends, cut.within.si(), cut.by_chance, border));
   }
 
   const SurveyInput& in_;
