@@ -152,7 +152,10 @@ TEST(EnsembleTest, FiguresByHand) {
   const double m = 19.0 / 4;
   const double s2 = (std::pow(6 - m, 2) + m * m + std::pow(12 - m, 2) + std::pow(1 - m, 2)) / 3;
   EXPECT_NEAR(volume.standard_error, std::sqrt(s2 / 4), 1e-12);
-  const Interval moved = skew_interval(volume.mean, volume.standard_error, volume.skewness, 4, 0.95, 0.5);
+  Tail tail;
+  for (const double v : {6, 0, 12, 1}) tail.add(v);
+  const Interval moved = with_tail(skew_interval(volume.mean, volume.standard_error, volume.skewness, 4, 0.95, 0.5),
+                                   volume.mean, tail, 4, 0.95);
   EXPECT_DOUBLE_EQ(volume.high, moved.high);
   EXPECT_EQ(volume.low, std::max(0.0, moved.low));
   // No realization in which they lift is not a share of 0 for certain: three of four have blocks, 2 + 1 + 2 of them.
@@ -195,8 +198,8 @@ TEST(EnsembleTest, FailuresAreListedNotCounted) {
 TEST(EnsembleTest, HeavyTailIsFlaggedWithABootstrap) {
   Ensemble heavy{options()}, light{options()};
   Rng rng{4};
-  for (std::uint64_t k = 0; k < 60; ++k) {
-    heavy.add(record(k, {std::exp(2 * rng.normal())}), "h");
+  for (std::uint64_t k = 0; k < 60; ++k) {  // a third of the realizations has a block
+    heavy.add(record(k, k % 3 == 0 ? std::vector<double>{std::exp(2 * rng.normal())} : std::vector<double>{}), "h");
     light.add(record(k, {10 + rng.uniform()}), "l");
   }
   const Figures h = heavy.figures(), l = light.figures();
@@ -204,10 +207,35 @@ TEST(EnsembleTest, HeavyTailIsFlaggedWithABootstrap) {
   EXPECT_TRUE(volume.optimistic);
   ASSERT_TRUE(volume.bootstrap.has_value());
   EXPECT_GT(volume.high, volume.mean + 2.0 * volume.standard_error);
+  EXPECT_LE(volume.bootstrap->low, volume.low);
+  EXPECT_GE(volume.bootstrap->high, volume.high);
   EXPECT_GE(volume.low, 0);
   EXPECT_TRUE(std::ranges::any_of(h.notes, [](const std::string& n) { return n.contains("optimistic"); }));
   EXPECT_FALSE(find(l, "key_block_volume_m3").optimistic);
   EXPECT_FALSE(find(l, "key_block_volume_m3").bootstrap.has_value());
+}
+
+// The largest pressure on a block hangs on the thinnest sliver met: its mean is no figure to go by, and says so.
+TEST(EnsembleTest, MeansOverSliversAreNotEstimable) {
+  Ensemble slivers{options()}, none{options()};
+  for (std::uint64_t k = 0; k < 30; ++k) {
+    Record r = record(k, {2});
+    r.largest_pressure_pa = 1e3 * static_cast<double>(k + 1);
+    slivers.add(r, "s");
+    none.add(record(k, {}), "n");
+  }
+  const auto says = [](const Figures& f) {
+    return std::ranges::any_of(f.notes, [](const std::string& n) {
+      return n.starts_with("largest_support_pressure_pa has no mean that realizations would show");
+    });
+  };
+  const Figures s = slivers.figures(), n = none.figures();
+  EXPECT_FALSE(find(s, "largest_support_pressure_pa").estimable);
+  EXPECT_TRUE(find(s, "largest_support_pressure_pa").optimistic);
+  EXPECT_TRUE(find(s, "support_pressure_pa").estimable);
+  EXPECT_TRUE(says(s));
+  EXPECT_TRUE(find(n, "largest_support_pressure_pa").estimable);
+  EXPECT_FALSE(says(n));
 }
 
 // The running mean with its band is that of the first n realizations, ever further apart, and ends with all of them.

@@ -20,8 +20,10 @@ struct RockKind {
   double sigma;        ///< of the logarithm of a block's volume
   double rare, often;  ///< shares of two kinds of blocks; each realization has its own, about them
 };
-inline constexpr std::array<RockKind, 3> rock_kinds{
-    {{"many", 112, 126, 1.6, 1e-4, 0.3}, {"first_batch", 13, 6, 1.6, 1e-3, 0.3}, {"few", 3, 4, 2.0, 1e-2, 0.3}}};
+inline constexpr std::array<RockKind, 4> rock_kinds{{{"many", 112, 126, 1.6, 1e-4, 0.3},
+                                                     {"first_batch", 13, 6, 1.6, 1e-3, 0.3},
+                                                     {"few", 3, 4, 2.0, 1e-2, 0.3},
+                                                     {"scarce", 0.79, 1.2, 2.0, 2e-2, 0.3}}};
 
 namespace detail {
 inline double gamma_draw(Rng& rng, double shape) {  // Marsaglia & Tsang (2000)
@@ -79,14 +81,20 @@ inline RockTruth truth_of(const RockKind& rock) {
 struct EnsembleCoverage {
   std::map<std::string, int> counts;
   std::map<std::string, int> flagged;  ///< held or not: said to be optimistic
+  std::map<std::string, int> held_flagged, bootstraps, held_by_bootstrap;
   void look(const RockKind& rock, const RockTruth& truth, std::uint64_t realizations, std::uint64_t sample) {
     stochastic::Ensemble ensemble{stochastic::EnsembleOptions{.volumes_m3 = {}, .tunnel_length_m = {}}};
     for (std::uint64_t k = 0; k < realizations; ++k) ensemble.add(rock_record(rock, sample, k), "");
     for (const stochastic::Estimate& e : ensemble.figures().estimates) {
       const auto found = truth.of.find(e.name);
       if (found == truth.of.end()) continue;
-      counts[e.name] += e.low <= found->second && found->second <= e.high ? 1 : 0;
+      const bool held = e.low <= found->second && found->second <= e.high;
+      counts[e.name] += held ? 1 : 0;
       flagged[e.name] += e.optimistic ? 1 : 0;
+      held_flagged[e.name] += held && e.optimistic ? 1 : 0;
+      bootstraps[e.name] += e.bootstrap ? 1 : 0;
+      held_by_bootstrap[e.name] +=
+          e.bootstrap && e.bootstrap->low <= found->second && found->second <= e.bootstrap->high ? 1 : 0;
     }
   }
 };

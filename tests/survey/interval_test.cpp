@@ -235,9 +235,12 @@ TEST(IntervalTest, ConesOfWeightedMeansAreCovered) {
     double off, kappa;
     std::size_t joints;
   };
-  for (const auto& [off, kappa, joints] : {Case{64, 10, 60}, Case{64, 10, 200}, Case{75, 40, 60}, Case{75, 40, 200}}) {
+  for (const auto& [off, kappa, joints] :
+       {Case{64, 10, 12}, Case{64, 10, 25}, Case{64, 10, 60}, Case{64, 10, 200}, Case{75, 40, 25}, Case{75, 40, 200}}) {
     const Vec3 line{std::sin(off * pi / 180), 0, std::cos(off * pi / 180)};
-    int held = 0;
+    int held = 0, light = 0, held_light = 0;
+    std::vector<Sampling> met{sampling_of({.normal = {}, .set = {}, .line = line, .window = {}})};
+    met[0].joints = joints;
     for (std::uint64_t k = 0; k < samples; ++k) {
       Rng rng{{.seed = 37, .realization = k}};
       std::vector<Vec3> normals;
@@ -250,14 +253,23 @@ TEST(IntervalTest, ConesOfWeightedMeansAreCovered) {
         normals.push_back(n.z < 0 ? -n : n);
         weights.push_back(weight_of({.normal = normals.back(), .set = {}, .line = line, .window = {}}, 10));
       }
-      const FisherFit fit = fit_fisher(normals, weights);
-      held += std::acos(std::min(1.0, fit.mean.z)) * 180 / pi <= fit.cone_degrees ? 1 : 0;
+      const FisherFit fit = fit_fisher(normals, weights, 0.95, 10, met);
+      const bool holds = std::acos(std::min(1.0, fit.mean.z)) * 180 / pi <= fit.cone_degrees;
+      held += holds ? 1 : 0;
+      // Samples that met none of the heavy joints look as if all counted alike.
+      if (fit.effective_count < 0.75 * static_cast<double>(joints)) continue;
+      ++light;
+      held_light += holds ? 1 : 0;
     }
     const std::string name = "cone_" + std::to_string(std::lround(off)) + "_" + std::to_string(std::lround(kappa)) +
                              "_" + std::to_string(joints);
     RecordProperty(name, held);
-    EXPECT_GE(held, 915) << name;
-    EXPECT_LE(held, 970) << name;
+    RecordProperty(name + "_light", light);
+    RecordProperty(name + "_held_light", held_light);
+    EXPECT_GE(held, 930) << name;
+    EXPECT_LE(held, 975) << name;
+    if (light < 0.2 * samples) continue;
+    EXPECT_GE(held_light, light * 0.9 - 2.5 * std::sqrt(light * 0.09)) << name;
   }
 }
 

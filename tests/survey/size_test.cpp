@@ -197,5 +197,65 @@ TEST(SizeTest, FitsDoNotCollapseToOneSize) {
   EXPECT_GT(fits, 60);
 }
 
+// Discs of one size: a collapse means that they are, with the size and an interval, and how much spread there may be.
+TEST(SizeTest, EqualDiscsHaveTheirSize) {
+  int held = 0, spreads = 0, best = 0;
+  constexpr int samples = 200;
+  for (std::uint64_t k = 0; k < samples; ++k) {
+    Rng rng{{.seed = 13, .realization = k}};
+    std::vector<SeenLength> lengths;
+    // Pieces of traces of 4 m in a window of 50 m2, 8 m wide: whole with the chance that their length leaves.
+    while (lengths.size() < 40) {
+      const double u = rng.uniform(), l = 4 * std::sqrt(1 - u * u), met = rng.uniform() * (50 + 8 * 4.0);
+      if (met > 50 + 8 * l) continue;
+      // Ends beyond the border: both inside for A - b l of the places, one for 2 b l (nearly).
+      const bool whole = met < 50 - 8 * l;
+      lengths.push_back(whole ? SeenLength{std::round(100 * l) / 100, 2} : SeenLength{l * rng.uniform(), 1});
+    }
+    const auto one = fit_discs(lengths, {50, 8}, Family::constant);
+    ASSERT_TRUE(one.has_value());
+    const Estimate size = estimate_of(*one, "size", [](const Fit& f) { return f.moment(1); });
+    held += size.low <= 4 && 4 <= size.high ? 1 : 0;
+    EXPECT_NEAR(size.value.value(), 4, 0.4);
+    spreads += one->max > 0.05 && one->max < 2 ? 1 : 0;
+    const auto other = fit_discs(lengths, {50, 8}, Family::exponential);
+    best += one->aic + 10 < other->aic ? 1 : 0;
+  }
+  RecordProperty("held", held);
+  EXPECT_GE(held, samples * 0.95 - 2.5 * std::sqrt(samples * 0.95 * 0.05));
+  EXPECT_GE(spreads, 0.95 * samples);
+  EXPECT_GE(best, 0.99 * samples);
+  // Two longest traces of one rounded length are no pole to run into.
+  Rng rng{14};
+  std::vector<SeenLength> unequal;
+  for (int i = 0; i < 60; ++i) unequal.push_back({std::round(10 * 3 * std::exp(0.6 * rng.normal())) / 10 + 0.1, 2});
+  double longest = 0;
+  for (const SeenLength& l : unequal) longest = std::max(longest, l.length);
+  for (int i = 0; i < 2; ++i) unequal.push_back({longest, 2});
+  EXPECT_LT(fit_discs(unequal, {50, 8}, Family::lognormal)->aic + 20,
+            fit_discs(unequal, {50, 8}, Family::constant)->aic);
+}
+
+// The law of one size against its own integrals.
+TEST(SizeTest, TracesOfEqualDiscsHaveTheirLaw) {
+  const Fit law = law_of(Family::constant, 4);
+  EXPECT_NEAR(disc_trace_above(law, 2), std::sqrt(0.75), 1e-15);
+  EXPECT_NEAR(disc_trace_density(law, 2), 2 / (4 * std::sqrt(12.0)), 1e-15);
+  EXPECT_EQ(disc_trace_density(law, 4.1), 0);
+  double excess = 0, first = 0;
+  constexpr double step = 1e-4;
+  for (double l = step / 2; l < 4; l += step) {
+    first += disc_trace_above(law, l) * step;
+    if (l > 1) excess += disc_trace_above(law, l) * step;
+  }
+  EXPECT_NEAR(first, pi, 1e-5);  // mean trace, pi/4 of the diameter
+  EXPECT_NEAR(disc_chance(law, {50, 8}), 50 + 8 * pi, 1e-9);
+  EXPECT_NEAR(disc_chance(law, {50, 8, 1}), 42 * std::sqrt(15.0 / 16) + 8 * excess, 1e-3);
+  EXPECT_EQ(law.moment(3), 64);
+  EXPECT_EQ(law.quantile(0.3), 4);
+  EXPECT_EQ(law.mean_excess(1), 3);
+  EXPECT_EQ(size_moment(size_of(law), 2), 16);
+}
+
 }  // namespace
 }  // namespace cleave::survey::size_test

@@ -15,6 +15,7 @@ namespace cleave::scene {
 /// Sizes above ten means (or three times the longest trace) are cut off: a box is grown by the largest joint.
 double largest_size(const survey::SetResult& set) {
   if (set.size->family == survey::Family::power) return set.size->max;
+  if (set.size->family == survey::Family::constant) return set.size->mean;
   double longest = 0;
   for (const double l : set.seen_lengths) longest = std::max(longest, l);
   return std::max(10 * set.size->mean, 3 * longest / set.chords.disc.value_or(1));
@@ -52,6 +53,10 @@ dfn::SizeSpec size_spec(const survey::SetResult& set) {
     case survey::Family::normal:
       spec.distribution = dfn::SizeDistribution::normal;
       spec.std = metres(set.size->std);
+      break;
+    case survey::Family::constant:
+      spec.distribution = dfn::SizeDistribution::constant;
+      spec.max.reset();
       break;
   }
   return spec;

@@ -37,6 +37,7 @@ std::string size_text(const survey::SetResult& set) {
     return text + fmt::format(", exponent = {}, min = {}, max = {} }}", law.exponent, law.min, law.max);
   }
   text += fmt::format(", mean = {}", law.mean);
+  if (law.family == survey::Family::constant) return text + " }";
   if (law.family != survey::Family::exponential) text += fmt::format(", std = {}", law.std);
   return text + fmt::format(", max = {} }}", largest_size(set));
 }
@@ -95,7 +96,9 @@ SetsFile sets_file(const SurveyScene& survey, const survey::SurveyResult& result
     if (set.size) {
       file.toml += shape_text(set);
     } else {
-      file.toml += "size = \"persistent\"   # no trace lengths were measured\n";
+      file.toml += set.traces + set.traces_on_lines > 0
+                       ? "size = \"persistent\"   # no end of a trace was seen: longer than what was looked at\n"
+                       : "size = \"persistent\"   # no trace lengths were measured\n";
     }
     file.toml += fmt::format("intensity = {{ p32 = {} }}   # 1/m, {:.3g} to {:.3g}; {}\n", *set.p32->value,
                              set.p32->low, set.p32->high, set.p32->method);

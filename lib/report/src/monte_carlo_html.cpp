@@ -209,7 +209,7 @@ void fields(V& v, const EstimateRow& x) {
   std::string range = interval(e.low, e.high);
   if (e.optimistic) {
     range += e.bootstrap ? "; bootstrap " + interval(e.bootstrap->low, e.bootstrap->high) : "";
-    range += " (optimistic)";
+    range += e.estimable ? " (optimistic)" : " (no mean to be had: see quantiles)";
   }
   v("name", words(e.name));
   v("interval", Html{range});

@@ -28,9 +28,11 @@ void keep_extreme(std::vector<Extreme>& list, const Extreme& candidate, bool lar
 Ensemble::Ensemble(EnsembleOptions options)
     : options_{std::move(options)},
       moments_(quantities().size()),
+      tails_(quantities().size()),
       values_(quantities().size()),
       means_(quantities().size()),
       ratios_(ratios().size()),
+      ratio_tails_(ratios().size()),
       exceeding_(options_.volumes_m3.size()),
       numbers_above_(options_.volumes_m3.size()),
       chainage_(options_.volumes_m3.size(), std::vector<Moments>(options_.chainage_parts)),
@@ -144,11 +146,14 @@ void Ensemble::add_unit(const std::vector<double>& sums) {
   const auto take = [&] { return sums[next++]; };
   for (std::size_t i = 0; i < quantities().size(); ++i) {
     const double sum = take();
-    if (has(quantities()[i])) moments_[i].add(sum / m);
+    if (!has(quantities()[i])) continue;
+    moments_[i].add(sum / m);
+    tails_[i].add(sum / m);
   }
-  for (PairMoments& ratio : ratios_) {
-    const double top = take();
-    ratio.add(top, take());
+  for (std::size_t i = 0; i < ratios_.size(); ++i) {
+    const double top = take(), bottom = take();
+    ratios_[i].add(top, bottom);
+    if (bottom > 0) ratio_tails_[i].add(top / bottom, bottom);
   }
   if (units_ == next_running_) {
     const Moments& mean = moments_[running_index_];
@@ -158,7 +163,10 @@ void Ensemble::add_unit(const std::vector<double>& sums) {
   }
   if (!options_.stability) return;
   const double mean_volumes = take(), with_key_blocks = take();
-  if (with_key_blocks > 0) mean_volume_per_realization_.add(mean_volumes / with_key_blocks);
+  if (with_key_blocks > 0) {
+    mean_volume_per_realization_.add(mean_volumes / with_key_blocks);
+    mean_volume_per_realization_tail_.add(mean_volumes / with_key_blocks);
+  }
   for (std::size_t i = 0; i < exceeding_.size(); ++i) {
     exceeding_[i].add(take() / m);
     numbers_above_[i].add(take() / m);
@@ -180,6 +188,8 @@ void Ensemble::add_unit(const std::vector<double>& sums) {
     pressing_blocks_[i].add(take() / m);
   }
   for (OrderMoments& order : orders_) {
+    order.count_tail.add(sums[next] / m);
+    order.volume_tail.add(sums[next + 1] / m);
     for (Moments* moments :
          {&order.count, &order.volume, &order.count_difference, &order.volume_difference, &order.best}) {
       moments->add(take() / m);
@@ -204,10 +214,10 @@ void Ensemble::add_extremes(const Record& record) {
   beside_fixed_ += record.key_beside_fixed_m3;
 }
 
-const Moments& Ensemble::moments(std::string_view quantity) const {
+std::size_t Ensemble::index_of(std::string_view quantity) {
   const Quantity* found = quantity_named(quantity);
   CLEAVE_ASSERT(found != nullptr);
-  return moments_[static_cast<std::size_t>(found - quantities().data())];
+  return static_cast<std::size_t>(found - quantities().data());
 }
 
 }  // namespace cleave::stochastic

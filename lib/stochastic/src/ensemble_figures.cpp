@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::uint32_t resamples = 2000;
 /// By simulation of realizations with key blocks as heavy-tailed as those of tunnels (`./x study coverage`).
-constexpr double widening_of_means = 0.5, widening_of_ratios = 1;
-constexpr double skewed = 0.2, heavy_tailed = 0.4;
+constexpr double widening = 0.5;
+constexpr double skewed = 0.2;
 
 double lean(double skewness, std::uint64_t n) { return std::abs(skewness) / std::sqrt(number(n)); }
 
@@ -35,7 +35,7 @@ std::vector<SizePoint> size_points(const std::vector<PairMoments>& below) {
 
 }  // namespace
 
-Estimate Ensemble::estimate(std::string name, const Moments& m, Method method) const {
+Estimate Ensemble::estimate(std::string name, const Moments& m, const Tail& tail, Method method) const {
   const double skewness = m.skewness();
   Estimate e{.name = std::move(name),
              .method = method,
@@ -48,11 +48,12 @@ Estimate Ensemble::estimate(std::string name, const Moments& m, Method method) c
              .skewness = skewness,
              .smallest = m.smallest(),
              .largest = m.largest(),
-             .optimistic = m.count() >= 3 && lean(skewness, m.count()) > heavy_tailed,
+             .optimistic = m.count() >= 3 && tail.long_from_few(),
              .bootstrap = {}};
   if (m.count() >= 2) {
     const Interval t =
-        skew_interval(e.mean, e.standard_error, skewness, m.count(), options_.confidence, widening_of_means);
+        with_tail(skew_interval(e.mean, e.standard_error, skewness, m.count(), options_.confidence, widening), e.mean,
+                  tail, m.count(), options_.confidence);
     e.low = m.smallest() >= 0 ? std::max(0.0, t.low) : t.low;
     e.high = t.high;
   }
@@ -72,13 +73,14 @@ Interval Ensemble::share_interval(const PairMoments& pair) const {
   return clopper_pearson_effective(p, std::max(effective, 1e-6), options_.confidence);
 }
 
-Estimate Ensemble::ratio_estimate(std::string name, const PairMoments& pair, bool share) const {
+Estimate Ensemble::ratio_estimate(std::string name, const PairMoments& pair, const Tail& tail, bool share) const {
   const double r = pair.ratio(), se = pair.ratio_standard_error(), skewness = pair.ratio_skewness();
   Interval interval{r, r};
   if (share) {
     interval = share_interval(pair);
   } else if (pair.count() >= 2) {
-    interval = skew_interval(r, se, skewness, pair.count(), options_.confidence, widening_of_ratios);
+    interval = with_tail(skew_interval(r, se, skewness, pair.count(), options_.confidence, widening), r, tail,
+                         pair.count(), options_.confidence);
     interval.low = std::max(0.0, interval.low);
   }
   return {.name = std::move(name),
@@ -90,7 +92,7 @@ Estimate Ensemble::ratio_estimate(std::string name, const PairMoments& pair, boo
           .high = interval.high,
           .std = se * std::sqrt(number(pair.count())),
           .skewness = skewness,
-          .optimistic = !share && pair.count() >= 3 && lean(skewness, pair.count()) > heavy_tailed,
+          .optimistic = !share && pair.count() >= 3 && tail.long_from_few(),
           .bootstrap = {}};
 }
 
@@ -117,10 +119,10 @@ Interval Ensemble::probability_interval(const Moments& hits) const {
 void Ensemble::add_orders(Figures& figures) const {
   for (const OrderMoments& order : orders_) {
     figures.orders.push_back(
-        {.key_blocks = estimate("key_blocks", order.count, Method::mean),
-         .key_m3 = estimate("key_m3", order.volume, Method::mean),
-         .key_blocks_minus_first = estimate("key_blocks_minus_first", order.count_difference, Method::mean),
-         .key_m3_minus_first = estimate("key_m3_minus_first", order.volume_difference, Method::mean),
+        {.key_blocks = estimate("key_blocks", order.count, order.count_tail, Method::mean),
+         .key_m3 = estimate("key_m3", order.volume, order.volume_tail, Method::mean),
+         .key_blocks_minus_first = estimate("key_blocks_minus_first", order.count_difference, {}, Method::mean),
+         .key_m3_minus_first = estimate("key_m3_minus_first", order.volume_difference, {}, Method::mean),
          .share_best = order.best.mean()});
   }
 }
@@ -140,7 +142,7 @@ void Ensemble::add_estimates(Figures& figures) const {
   for (std::size_t i = 0; i < quantities().size(); ++i) {
     const Quantity& q = quantities()[i];
     if (!has(q)) continue;
-    Estimate e = estimate(std::string{q.name}, moments_[i], Method::mean);
+    Estimate e = estimate(std::string{q.name}, moments_[i], tails_[i], Method::mean);
     if (q.probability && units_ > 0) {
       const Interval exact = probability_interval(moments_[i]);
       e.low = exact.low;
@@ -150,12 +152,18 @@ void Ensemble::add_estimates(Figures& figures) const {
     if (q.quantiles && e.realizations >= 3 && lean(e.skewness, e.realizations) > skewed) {
       const std::vector<double> units = (options_.strengths_per_geometry > 1 ? means_[i] : values_[i]).all();
       e.bootstrap = bca_mean(units, options_.confidence, resamples, options_.seed);
+      // A bootstrap knows no larger block than the sample does.
+      if (e.bootstrap) e.bootstrap = {std::min(e.bootstrap->low, e.low), std::max(e.bootstrap->high, e.high)};
+    }
+    if (q.by_slivers && e.largest > 0) {
+      e.estimable = false;
+      e.optimistic = true;
     }
     figures.estimates.push_back(std::move(e));
   }
   if (options_.stability && options_.tunnel_length_m) {
     for (const std::string_view name : {"support_force_n", "support_force_transferred_n", "key_block_volume_m3"}) {
-      Estimate e = estimate(std::string{name} + "_per_metre", moments(name), Method::mean);
+      Estimate e = estimate(std::string{name} + "_per_metre", moments(name), tails_[index_of(name)], Method::mean);
       const double metres = *options_.tunnel_length_m;
       for (double* value : {&e.mean, &e.standard_error, &e.low, &e.high, &e.std, &e.smallest, &e.largest}) {
         *value /= metres;
@@ -164,12 +172,13 @@ void Ensemble::add_estimates(Figures& figures) const {
     }
   }
   if (options_.stability) {
-    figures.estimates.push_back(
-        estimate("key_block_mean_volume_per_realization_m3", mean_volume_per_realization_, Method::mean_of_ratios));
+    figures.estimates.push_back(estimate("key_block_mean_volume_per_realization_m3", mean_volume_per_realization_,
+                                         mean_volume_per_realization_tail_, Method::mean_of_ratios));
   }
   for (std::size_t i = 0; i < ratios().size(); ++i) {
     if (!has(ratios()[i].stability, ratios()[i].whole_system) || !ratios_[i].has_ratio()) continue;
-    figures.estimates.push_back(ratio_estimate(std::string{ratios()[i].name}, ratios_[i], ratios()[i].share()));
+    figures.estimates.push_back(
+        ratio_estimate(std::string{ratios()[i].name}, ratios_[i], ratio_tails_[i], ratios()[i].share()));
   }
 }
 
@@ -218,17 +227,20 @@ void Ensemble::add_exceedances(Figures& figures) const {
 
 void Ensemble::add_notes(Figures& figures) const {
   std::string heavy;
-  double most = 0;
   for (const Estimate& e : figures.estimates) {
-    if (!e.optimistic || e.name.ends_with("_per_metre")) continue;
-    heavy += (heavy.empty() ? "" : ", ") + e.name;
-    most = std::max(most, std::abs(e.skewness));
+    if (!e.estimable) {
+      figures.notes.push_back(e.name +
+                              " has no mean that realizations would show: it hangs on the thinnest sliver met, its "
+                              "interval holds nothing; take its quantiles and pressure_exceedance");
+    } else if (e.optimistic && !e.name.ends_with("_per_metre")) {
+      heavy += (heavy.empty() ? "" : ", ") + e.name;
+    }
   }
   if (!heavy.empty()) {
     figures.notes.push_back(
-        fmt::format("heavy tails (skewness up to {:.1f} over {} samples): the intervals of these are optimistic, they "
-                    "cover some per cent less than they say: {}",
-                    most, units_, heavy));
+        fmt::format("long tails seen in few of {} samples: the intervals of these may be optimistic, they cover up to "
+                    "some per cent less than they say: {}",
+                    units_, heavy));
   }
   if (figures.failures > 0) {
     figures.notes.push_back(

@@ -30,6 +30,12 @@ Interval skew_interval(double mean, double standard_error, double skewness, std:
   return {mean - standard_error * statistic(far), mean - standard_error * statistic(-far)};
 }
 
+Interval with_tail(Interval interval, double mean, const Tail& tail, std::uint64_t n, double confidence) {
+  CLEAVE_ASSERT(n >= 2);
+  const double t = special::student_t_quantile(0.5 + confidence / 2, static_cast<double>(n - 1));
+  return {interval.low, std::max(interval.high, mean * std::exp(t * std::sqrt(tail.log_error_squared())))};
+}
+
 Interval clopper_pearson(std::uint64_t k, std::uint64_t n, double confidence) {
   CLEAVE_ASSERT(n >= 1 && k <= n);
   const double a = (1 - confidence) / 2, successes = static_cast<double>(k), others = static_cast<double>(n - k);

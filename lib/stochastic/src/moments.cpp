@@ -63,6 +63,48 @@ double PairMoments::ratio_skewness() const noexcept {
   return std::sqrt(static_cast<double>(n_)) * cube / std::pow(square, 1.5);
 }
 
+namespace {
+constexpr double bin = 0.02;
+}
+
+void Tail::add(double x, double weight) {
+  if (!(weight > 0)) return;
+  all_ += weight;
+  all_squares_ += weight * weight;
+  negative_ = negative_ || x < 0;
+  if (!(x > 0) || !std::isfinite(x)) return;
+  above_ += weight;
+  above_squares_ += weight * weight;
+  bins_[static_cast<int>(std::floor(std::log(x) / bin))] += weight;
+}
+
+double Tail::parts() const noexcept { return above_ > 0 ? above_ * above_ / above_squares_ : 0; }
+
+double Tail::log_variance() const noexcept {
+  if (negative_) return 0;
+  constexpr double least = 0.01;  // below it means are as of a normal law
+  double below = 0, sum = 0;
+  int median = 0;
+  for (const auto& [at, weight] : bins_) {
+    if (2 * below < above_) median = at;
+    below += weight;
+    if (2 * below >= above_) sum += weight * std::pow(bin * (at - median), 2);
+  }
+  const double square = above_ > 0 ? sum / (above_ / 2) : 0;
+  return square > least ? square : 0;
+}
+
+double Tail::log_error_squared() const noexcept {
+  const double square = log_variance(), p = all_ > 0 ? above_ / all_ : 0;
+  if (!(square > 0)) return 0;
+  return (1 - p) / p * all_squares_ / (all_ * all_) + (square + square * square) / parts();
+}
+
+bool Tail::long_from_few() const noexcept {
+  constexpr double few = 25, long_square = 0.5;  // by `./x study coverage`
+  return parts() < few && log_variance() > long_square;
+}
+
 double PairMoments::equal_parts() const noexcept {
   const double n = static_cast<double>(n_), squares = xx_ + n * mean_x_ * mean_x_;
   return squares > 0 ? n * mean_x_ * n * mean_x_ / squares : 0;

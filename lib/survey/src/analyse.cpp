@@ -104,6 +104,25 @@ class Analysis final {
     return it == in_.rules.end() ? nullptr : &*it;
   }
 
+  /// The lines and outcrops that the joints of a set were met on.
+  [[nodiscard]] std::vector<Sampling> ways_met(std::size_t k) const {
+    std::vector<MeasuredOrientation> ways;
+    std::vector<Sampling> met;
+    for (std::size_t i = 0; i < normals_.size(); ++i) {
+      if (out_.set_of[i] != k) continue;
+      MeasuredOrientation way = in_.orientations[i];
+      way.normal = {};
+      way.set.clear();
+      const auto at = static_cast<std::size_t>(std::ranges::find(ways, way) - ways.begin());
+      if (at == ways.size()) {
+        ways.push_back(way);
+        met.push_back(sampling_of(std::move(way)));
+      }
+      ++met[at].joints;
+    }
+    return met;
+  }
+
   void orient(std::size_t k) {
     SetResult& set = out_.sets[k];
     for (std::size_t i = 0; i < normals_.size(); ++i) {
@@ -113,7 +132,7 @@ class Analysis final {
     }
     set.joints = set.normals.size();
     if (!set.normals.empty()) {
-      set.orientation = fit_fisher(set.normals, set.weights, in_.confidence, in_.weight_cap);
+      set.orientation = fit_fisher(set.normals, set.weights, in_.confidence, in_.weight_cap, ways_met(k));
       if (set.joints == 1) set.notes.emplace_back("one joint: no spread can be had from it");
       if (std::isinf(set.orientation.kappa) && set.joints > 1) set.notes.emplace_back("all joints are parallel");
       if (set.orientation.capped > 0) {
@@ -123,10 +142,10 @@ class Analysis final {
                         set.orientation.capped, in_.weight_cap));
       }
       if (few_carry(set.orientation)) {
-        set.notes.push_back(
-            fmt::format("few of the {} joints carry most of the weight (as {:.1f} equal ones): the cone of the mean "
-                        "covers less than it says, 90 to 93 % instead of 95 %",
-                        set.joints, set.orientation.effective_count));
+        set.notes.push_back(fmt::format(
+            "joints of such a set weigh as few where they were met: the {} of them as {:.1f} equal ones, those "
+            "seen here as {:.1f}; the cone of the mean is that of the fitted law",
+            set.joints, set.orientation.expected_count, set.orientation.effective_count));
       }
       if (!set.orientation.fisher) {
         set.bingham = fit_bingham(set.normals, set.weights, in_.confidence);
@@ -460,23 +479,18 @@ class Analysis final {
     }
   }
 
-  /// A map that was cut along its border has ends there, on this side or that by rounding.
+  /// A map that was cut along its border has ends there, on this side or that by rounding, or as near as it was
+  /// digitised: more of them than ends that fall there by chance.
   void note_border(const WindowSurvey& window) {
-    const double near = 1e-5 * std::sqrt(area_of(window.window));
-    if (window.border.si() >= near || window.traces.size() > 20000) return;
-    std::size_t at_border = 0, inside = 0;
-    for (const Polyline& line : window.traces) {
-      for (const MapPoint end : {line.front(), line.back()}) {
-        if (distance_to_border(window.window, end) > near) continue;
-        ++at_border;
-        inside += holds(window.window, end) ? 1U : 0U;
-      }
-    }
-    if (inside == 0) return;
+    const CutOffEnds cut = cut_off_by_border(window.window, window.traces);
+    if (cut.ends == 0 || window.border >= cut.within) return;
+    const double magnitude = std::pow(10, std::floor(std::log10(cut.border.si()))), share = cut.border.si() / magnitude;
+    const double border = (share <= 1 ? 1 : share <= 2 ? 2 : share <= 5 ? 5 : 10) * magnitude;
     out_.notes.push_back(fmt::format(
-        "window {}: {} ends of traces lie within {:.2g} m of its border and {} of them count as seen, though "
-        "the border has cut them off, it seems; border = {:.1g} takes them so",
-        window.name, at_border, near, inside, 10 * near));
+        "window {}: {} ends of traces lie within {:.2g} m of its border, where {:.1f} would by chance, and count as "
+        "seen, though the border has cut them off, it seems: P21 from crossings is too small; border = {:.1g} takes "
+        "them so",
+        window.name, cut.ends, cut.within.si(), cut.by_chance, border));
   }
 
   const SurveyInput& in_;

@@ -42,6 +42,7 @@ double upper_end(const Fit& law) {
     case Family::gamma: return law.b * (law.a + 12 * std::sqrt(law.a) + 45);
     case Family::power: return law.max;
     case Family::normal: return law.a + 9 * law.b;
+    case Family::constant: return law.a;
   }
   std::unreachable();
 }
@@ -54,6 +55,7 @@ double log_width(const Fit& law) {
     case Family::gamma: return 1 / std::sqrt(1 + law.a);
     case Family::power: return 0.2;
     case Family::normal: return std::min(1.0, law.b / law.a);
+    case Family::constant: return 1;
   }
   std::unreachable();
 }
@@ -73,6 +75,13 @@ struct Steps {
     }
   }
 };
+
+/// Of discs that are all of one size, in closed form.
+double of_one_size(double diameter, double l, std::uint32_t ends) {
+  if (!(l < diameter)) return 0;
+  const double x = l / diameter, root = std::sqrt((1 - x) * (1 + x));
+  return ends == 2 ? x / (diameter * root) : ends == 1 ? root : diameter / 2 * (std::acos(x) - x * root);
+}
 
 /// What kind of seen length: density (2), probability of more (1), its integral (0); times E D.
 double integral(const Density& f, const Steps& steps, double upper, double l, std::uint32_t ends) {
@@ -123,15 +132,20 @@ std::vector<Point> points_of(const std::vector<SeenLength>& lengths, double low,
 }  // namespace
 
 double disc_trace_density(const Fit& diameters, double l) {
+  if (diameters.family == Family::constant) return of_one_size(diameters.a, l, 2);
   return integral(Density{diameters}, {diameters, l}, upper_end(diameters), l, 2) / diameters.moment(1);
 }
 double disc_trace_above(const Fit& diameters, double l) {
+  if (diameters.family == Family::constant) return of_one_size(diameters.a, l, 1);
   return integral(Density{diameters}, {diameters, l}, upper_end(diameters), l, 1) / diameters.moment(1);
 }
 
 double disc_chance(const Fit& diameters, const Meeting& meeting) {
   const double mean = diameters.moment(1), l0 = meeting.truncation;
   if (!(l0 > 0)) return meeting.chance(1, quarter_sine(2) * diameters.moment(2) / mean);
+  if (diameters.family == Family::constant) {
+    return meeting.chance(of_one_size(diameters.a, l0, 1), of_one_size(diameters.a, l0, 0));
+  }
   const Density f{diameters};
   const Steps steps{diameters, l0};
   const double upper = upper_end(diameters);
@@ -149,7 +163,8 @@ double log_spread(const Fit& law) {
     case Family::gamma: return -0.5 * std::log(law.a);
     case Family::normal: return std::log(law.b / law.a);
     case Family::exponential:
-    case Family::power: return 0;
+    case Family::power:
+    case Family::constant: return 0;
   }
   std::unreachable();
 }
@@ -161,57 +176,143 @@ bool at_bounds(const Fit& law) {
   return (law.family == Family::lognormal || law.family == Family::gamma) && !(spread > least && spread < most);
 }
 
+/// What was seen of discs, without what is shorter than the truncation.
+struct Seen {
+  std::vector<Point> points;
+  std::vector<SeenLength> lengths;
+  double number = 0, sum = 0, ended = 0, low = INFINITY, high = 0;
+};
+Seen seen_of(std::span<const SeenLength> all, double truncation) {
+  Seen seen;
+  for (const SeenLength& l : all) {
+    if (!(l.length > 0) || l.length < truncation) continue;
+    seen.lengths.push_back(l);
+    seen.sum += l.length;
+    seen.ended += l.ends;
+    seen.low = std::min(seen.low, l.length);
+    seen.high = std::max(seen.high, l.length);
+  }
+  seen.points = points_of(seen.lengths, seen.low, seen.high);
+  seen.number = static_cast<double>(seen.lengths.size());
+  return seen;
+}
+
+double log_likelihood(const Fit& law, const Seen& seen, const Meeting& meeting) {
+  const double mean = law.moment(1), upper = upper_end(law), l0 = meeting.truncation;
+  if (!std::isfinite(mean) || !(mean > 0)) return -INFINITY;
+  const Steps steps{law, l0 > 0 ? std::min(l0, seen.low) : seen.low};
+  const Density f{law};
+  double value = 0;
+  for (const Point& p : seen.points) {
+    for (std::uint32_t ends = 0; ends < 3; ++ends) {
+      const double weight = p.weight.at(ends);
+      if (weight == 0) continue;
+      value += weight * std::log(std::max(integral(f, steps, upper, p.length, ends) / mean, tiny));
+    }
+  }
+  const double above = l0 > 0 ? integral(f, steps, upper, l0, 1) / mean : 1;
+  const double excess = l0 > 0 ? integral(f, steps, upper, l0, 0) / mean : quarter_sine(2) * law.moment(2) / mean;
+  return value - seen.number * std::log(std::max(meeting.chance(above, excess), tiny));
+}
+
+/// How well ends of traces are placed, as a share of the size: what bounds the pole at one size. Lengths on it are
+/// averaged over as much.
+constexpr double placed = 0.0025;
+
+double one_size_likelihood(double diameter, const Seen& seen, const Meeting& meeting) {
+  Fit law;
+  law.family = Family::constant;
+  law.a = diameter;
+  double value = -seen.number * std::log(std::max(disc_chance(law, meeting), tiny));
+  const double off = placed * diameter;
+  for (const SeenLength& l : seen.lengths) {
+    const double least = l.length - off;
+    const double v = l.ends == 2
+                         ? (of_one_size(diameter, least, 1) - of_one_size(diameter, l.length + off, 1)) / (2 * off)
+                     : l.length < diameter - off ? of_one_size(diameter, l.length, l.ends)
+                                                 : of_one_size(diameter, least, l.ends);
+    value += std::log(std::max(v, tiny));
+  }
+  return value;
+}
+
+/// Largest standard deviation of sizes about this one that the traces allow: lognormal laws of that spread, each with
+/// its best mean, are no worse than the law of one size by more than the 5 % point of chi-squared allows.
+double largest_spread(const Fit& one, const Seen& seen, const Meeting& meeting) {
+  constexpr double allowed = 1.92;
+  for (const double spread : {0.5, 0.4, 0.3, 0.25, 0.2, 0.16, 0.13, 0.1, 0.08, 0.06, 0.05, 0.04, 0.03}) {
+    Fit law;
+    law.family = Family::lognormal;
+    law.b = std::sqrt(std::log1p(spread * spread));
+    for (double shift = -1.5; shift <= 0.5; shift += 0.25) {
+      law.a = std::log(one.a) + shift * spread;
+      if (log_likelihood(law, seen, meeting) > one.log_likelihood - allowed) return 1.25 * spread * one.a;
+    }
+  }
+  return 0.03 * one.a;
+}
+
+/// Posterior of the diameter with the prior 1/D, in D = longest (1 + w^2), but for the rounding: near w = 0 it is
+/// smooth.
+std::optional<Fit> fit_one_size(const Seen& seen, const Meeting& meeting) {
+  constexpr int steps = 1500;
+  constexpr double most = 5;
+  const double longest = seen.high / (1 + placed);
+  std::vector<double> diameters, logs;
+  for (int i = 0; i < steps; ++i) {
+    const double t = (i + 0.5) / steps, w = most * t * t, d = longest * (1 + w * w);
+    diameters.push_back(d);
+    logs.push_back(one_size_likelihood(d, seen, meeting) + std::log(w * t / d));
+  }
+  const double top = std::ranges::max(logs);
+  if (!std::isfinite(top)) return std::nullopt;
+  double sum = 0, first = 0, second = 0;
+  for (int i = 0; i < steps; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const double weight = std::exp(logs[at] - top), x = std::log(diameters[at] / longest);
+    sum += weight;
+    first += weight * x;
+    second += weight * x * x;
+  }
+  Fit fit;
+  fit.family = Family::constant;
+  fit.b = 0;
+  double below = 0;
+  for (std::size_t i = 0; i < diameters.size() && below < sum / 2; ++i) {
+    below += std::exp(logs[i] - top);
+    fit.a = diameters[i];
+  }
+  const double spread = std::sqrt(std::max(0.0, second / sum - first * first / (sum * sum)));
+  fit.moved.push_back({fit.a * std::exp(std::hypot(spread, placed)), 0});
+  fit.log_likelihood = one_size_likelihood(fit.a, seen, meeting);
+  fit.aic = 2 - 2 * fit.log_likelihood;
+  fit.max = largest_spread(fit, seen, meeting);
+  return fit;
+}
+
 }  // namespace
 
 std::optional<Fit> fit_discs(std::span<const SeenLength> all, const Meeting& meeting, Family family) {
-  std::vector<SeenLength> lengths;
-  double sum = 0, ended = 0, low = INFINITY, high = 0;
-  for (const SeenLength& l : all) {
-    if (!(l.length > 0) || l.length < meeting.truncation) continue;
-    lengths.push_back(l);
-    sum += l.length;
-    ended += l.ends;
-    low = std::min(low, l.length);
-    high = std::max(high, l.length);
-  }
-  if (!(ended > 0) || (family == Family::power && !(high > low))) return std::nullopt;
-  const std::vector<Point> points = points_of(lengths, low, high);
-  const auto number = static_cast<double>(lengths.size());
-  const auto log_likelihood = [&](const Fit& law) -> double {
-    const double mean = law.moment(1), upper = upper_end(law);
-    if (!std::isfinite(mean) || !(mean > 0)) return -INFINITY;
-    const double l0 = meeting.truncation;
-    const Steps steps{law, l0 > 0 ? std::min(l0, low) : low};
-    const Density f{law};
-    double value = 0;
-    for (const Point& p : points) {
-      for (std::uint32_t ends = 0; ends < 3; ++ends) {
-        const double weight = p.weight.at(ends);
-        if (weight == 0) continue;
-        value += weight * std::log(std::max(integral(f, steps, upper, p.length, ends) / mean, tiny));
-      }
-    }
-    const double above = l0 > 0 ? integral(f, steps, upper, l0, 1) / mean : 1;
-    const double excess = l0 > 0 ? integral(f, steps, upper, l0, 0) / mean : quarter_sine(2) * law.moment(2) / mean;
-    return value - number * std::log(std::max(meeting.chance(above, excess), tiny));
-  };
+  const Seen seen = seen_of(all, meeting.truncation);
+  if (!(seen.ended > 0) || (family == Family::power && !(seen.high > seen.low))) return std::nullopt;
+  if (family == Family::constant) return fit_one_size(seen, meeting);
   const auto law = [&](std::array<double, 2> p) {
     if (detail::parameters(family) == 1) p[1] = 0;
-    return detail::law_at(family, p, low * (1 - 1e-12), 10 * high);
+    return detail::law_at(family, p, seen.low * (1 - 1e-12), 10 * seen.high);
   };
   const auto loss = [&](const std::array<double, 2>& p) {
     const double extra = detail::parameters(family) == 1 ? p[1] * p[1] : 0;  // an unused variable is drawn to 0
-    const double l = -log_likelihood(law(p)) + extra - log_spread(law(p));
+    const double l = -log_likelihood(law(p), seen, meeting) + extra - log_spread(law(p));
     return std::isfinite(l) ? l : 1e300;
   };
-  const std::array<double, 2> best = detail::minimum(detail::start_of(family, sum / (0.5 * ended)), loss);
+  const std::array<double, 2> best = detail::minimum(detail::start_of(family, seen.sum / (0.5 * seen.ended)), loss);
   Fit fit = law(best);
   if (at_bounds(fit)) return std::nullopt;
   for (const auto& p : detail::one_error_away(best, static_cast<std::size_t>(detail::parameters(family)), loss)) {
     const Fit moved = law(p);
     fit.moved.push_back({moved.a, moved.b});
   }
-  fit.log_likelihood = log_likelihood(fit);
+  fit.log_likelihood = log_likelihood(fit, seen, meeting);
   fit.aic = 2 * detail::parameters(family) - 2 * fit.log_likelihood;
   return fit;
 }

@@ -70,6 +70,7 @@ Fit law_at(Family family, const std::array<double, 2>& p, double min, double max
       fit.a = std::exp(std::clamp(p[0], -40.0, 40.0));
       fit.b = std::exp(std::clamp(p[1], -40.0, 40.0));
       break;
+    case Family::constant: fit.a = std::exp(p[0]); break;
   }
   return fit;
 }
@@ -81,6 +82,7 @@ std::array<double, 2> start_of(Family family, double mean) {
     case Family::gamma: return {0.3, std::log(mean) - 0.3};
     case Family::power: return {0.5, 0.0};
     case Family::normal: return {std::log(mean), std::log(mean) - 0.7};
+    case Family::constant: return {std::log(mean), 0.0};
   }
   std::unreachable();
 }
@@ -94,6 +96,7 @@ std::string_view name_of(Family family) noexcept {
     case Family::gamma: return "gamma";
     case Family::power: return "power";
     case Family::normal: return "normal";
+    case Family::constant: return "constant";
   }
   std::unreachable();
 }
@@ -111,6 +114,7 @@ double Fit::density(double x) const {
       if (x < min || x > max) return 0;
       return a * std::pow(x, -a - 1) / (std::pow(min, -a) - std::pow(max, -a));
     case Family::normal: return normal_density((x - a) / b) / (b * above_zero(*this));
+    case Family::constant: return 0;  // it has none
   }
   std::unreachable();
 }
@@ -126,6 +130,7 @@ double Fit::below(double x) const {
       if (x >= max) return 1;
       return (std::pow(min, -a) - std::pow(x, -a)) / (std::pow(min, -a) - std::pow(max, -a));
     case Family::normal: return 1 - special::normal_cdf((a - x) / b) / above_zero(*this);
+    case Family::constant: return x < a ? 0 : 1;
   }
   std::unreachable();
 }
@@ -137,6 +142,7 @@ double Fit::quantile(double u) const {
     case Family::gamma: return b * special::gamma_below_inverse(a, u);
     case Family::power: return std::pow(std::pow(min, -a) - u * (std::pow(min, -a) - std::pow(max, -a)), -1 / a);
     case Family::normal: return std::max(0.0, a - b * normal_quantile((1 - u) * above_zero(*this)));
+    case Family::constant: return a;
   }
   std::unreachable();
 }
@@ -160,6 +166,7 @@ double Fit::moment(int k) const {
       for (int i = 2; i <= k; ++i) before = std::exchange(m, a * m + (i - 1) * b * b * before);
       return m;
     }
+    case Family::constant: return std::pow(a, k);
   }
   std::unreachable();
 }
@@ -181,6 +188,7 @@ double Fit::mean_excess(double x) const {
       const double z = (x - a) / b;
       return std::max(0.0, b * (normal_density(z) - z * special::normal_cdf(-z)) / above_zero(*this));
     }
+    case Family::constant: return std::max(0.0, a - x);
   }
   std::unreachable();
 }

@@ -14,7 +14,7 @@ namespace cleave::survey::detail {
 
 /// Number of parameters that are fitted.
 [[nodiscard]] constexpr int parameters(Family family) noexcept {
-  return family == Family::exponential || family == Family::power ? 1 : 2;
+  return family == Family::lognormal || family == Family::gamma || family == Family::normal ? 2 : 1;
 }
 /// Parameters on the real line to a law; `min` and `max` are the limits of a power law.
 [[nodiscard]] Fit law_at(Family family, const std::array<double, 2>& p, double min, double max);

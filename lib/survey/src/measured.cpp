@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "cleave/survey/analyse.hpp"
 
@@ -21,6 +22,14 @@ double weight_of(const MeasuredOrientation& joint, double cap) {
   const double width = o.width.si(), height = o.height.si();
   const double across = width * std::sqrt(1 - cosine * cosine) + height * cosine;
   return capped / (1 + std::numbers::pi / 4 * o.diameter.si() * across / (width * height));
+}
+
+Sampling sampling_of(MeasuredOrientation joint) {
+  return {[joint = std::move(joint)](geometry::Vec3 normal, double cap) mutable {
+            joint.normal = normal;
+            return weight_of(joint, cap);
+          },
+          0};
 }
 
 double LineSurvey::length() const noexcept {

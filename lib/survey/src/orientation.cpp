@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "cleave/core/special.hpp"
 
@@ -110,6 +111,15 @@ double radius_squared(double a, double b, double confidence) {
   return high;
 }
 
+/// Half angle of a cone that holds a plane normal vector of this covariance; `equal`: as many equal joints take the
+/// place of N in Fisher's widening for few.
+double cone_of(double xx, double xy, double yy, double equal, double confidence) {
+  const double middle = (xx + yy) / 2, apart = std::hypot((xx - yy) / 2, xy), level = 1 / (1 - confidence);
+  const double wider = (std::pow(level, 1 / (equal - 1)) - 1) * (equal - 1) / std::log(level);
+  const double square = wider * radius_squared(middle + apart, std::max(0.0, middle - apart), confidence);
+  return std::atan(std::sqrt(square)) * 180 / pi;
+}
+
 /// Half angle of the cone of a weighted mean: each joint left out in turn moves it (jackknife); as many equal joints as
 /// carry the scatter take the place of N in Fisher's widening for few.
 double weighted_cone(std::span<const Vec3> normals, std::span<const double> weights, Vec3 mean, double effective,
@@ -137,13 +147,43 @@ double weighted_cone(std::span<const Vec3> normals, std::span<const double> weig
     parts += part;
     squares += part * part;
   }
-  const double share = (n - 1) / n, a = share * (xx - n * x1 * x1), b = share * (yy - n * y1 * y1);
-  const double middle = (a + b) / 2, apart = std::hypot((a - b) / 2, share * (xy - n * x1 * y1));
+  const double share = (n - 1) / n;
   const double equal = std::max(3.0, squares > 0 ? std::min(effective, 2 * parts * parts / squares) : effective);
-  const double level = 1 / (1 - confidence);
-  const double wider = (std::pow(level, 1 / (equal - 1)) - 1) * (equal - 1) / std::log(level);
-  return std::atan(std::sqrt(wider * radius_squared(middle + apart, std::max(0.0, middle - apart), confidence))) * 180 /
-         pi;
+  return cone_of(share * (xx - n * x1 * x1), share * (xy - n * x1 * y1), share * (yy - n * y1 * y1), equal, confidence);
+}
+
+/// The same from the scatter that joints of the fitted law have where they are met so, and the number of equal joints
+/// that they weigh as much as.
+std::pair<double, double> cone_of_law(const FisherFit& fit, std::span<const Sampling> met, double cap,
+                                      double confidence) {
+  const Vec3 some = std::abs(fit.mean.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 e1 = normalized(cross(fit.mean, some)), e2 = cross(fit.mean, e1);
+  constexpr double no_cap = 1e9;
+  double weights = 0, squares = 0, along = 0, xx = 0, xy = 0, yy = 0;
+  for (const Sampling& way : met) {
+    double chance = 0, w1 = 0, w2 = 0, c1 = 0, x2 = 0, mixed = 0, y2 = 0;
+    static_cast<void>(fisher_mean(fit.mean, fit.kappa, [&](Vec3 n) {
+      const double a = 1 / way.weight(n, no_cap), w = way.weight(n, cap);
+      const double x = dot(n, e1), y = dot(n, e2), square = a * w * w;
+      chance += a;
+      w1 += a * w;
+      w2 += square;
+      c1 += a * w * std::abs(dot(n, fit.mean));
+      x2 += square * x * x;
+      mixed += square * x * y;
+      y2 += square * y * y;
+      return 0.0;
+    }));
+    const double share = static_cast<double>(way.joints) / chance;
+    weights += share * w1;
+    squares += share * w2;
+    along += share * c1;
+    xx += share * x2;
+    xy += share * mixed;
+    yy += share * y2;
+  }
+  const double expected = weights * weights / squares, scale = 1 / (along * along);
+  return {cone_of(scale * xx, scale * xy, scale * yy, std::max(3.0, expected), confidence), expected};
 }
 
 }  // namespace
@@ -176,7 +216,8 @@ OrientationTensor orientation_tensor(std::span<const Vec3> normals, std::span<co
   return eigen(a);
 }
 
-FisherFit fit_fisher(std::span<const Vec3> normals, std::span<const double> weights, double confidence, double cap) {
+FisherFit fit_fisher(std::span<const Vec3> normals, std::span<const double> weights, double confidence, double cap,
+                     std::span<const Sampling> met) {
   FisherFit fit;
   fit.count = normals.size();
   const OrientationTensor tensor = orientation_tensor(normals, weights);
@@ -200,7 +241,7 @@ FisherFit fit_fisher(std::span<const Vec3> normals, std::span<const double> weig
   }
   fit.mean = upward(centre);
   const double n = sum * sum / squares, r = resultant / sum * n;
-  fit.effective_count = n;
+  fit.effective_count = fit.expected_count = n;
   const double gap = n - r;
   if (normals.size() < 2 || gap < 1e-12 * n) {
     fit.kappa = fit.kappa_low = fit.kappa_high = INFINITY;
@@ -231,6 +272,10 @@ FisherFit fit_fisher(std::span<const Vec3> normals, std::span<const double> weig
     const double error = std::sqrt(std::max(0.0, m2 - m * m) / n);
     fit.fisher = fit.statistic < 1.094 && m < 3.25 * error;
   }
+  if (equal || normals.size() < 3 || met.empty()) return fit;
+  const auto [cone, expected] = cone_of_law(fit, met, cap, confidence);
+  fit.cone_degrees = fit.fisher ? cone : std::max(cone, fit.cone_degrees);
+  fit.expected_count = expected;
   return fit;
 }
 

@@ -115,7 +115,7 @@ void fit_sizes(SetResult& set, const std::vector<SeenLength>& lengths, const Mee
     return;
   }
   std::string left_out;
-  for (const Family family : {Family::exponential, Family::lognormal, Family::gamma, Family::power}) {
+  for (const Family family : {Family::exponential, Family::lognormal, Family::gamma, Family::power, Family::constant}) {
     const auto fit = fit_discs(lengths, meeting, family);
     if (!fit && (family == Family::lognormal || family == Family::gamma)) {
       left_out += (left_out.empty() ? "" : " and ") + std::string{name_of(family)};
@@ -125,8 +125,12 @@ void fit_sizes(SetResult& set, const std::vector<SeenLength>& lengths, const Mee
     SizeOfJoints law = size_of(*fit);
     for (double* length : {&law.mean, &law.std, &law.min, &law.max}) *length *= scale;
     const Estimate mean = estimate_of(*fit, "mean size", [](const Fit& f) { return f.moment(1); }, confidence);
-    const Estimate spread =
+    Estimate spread =
         estimate_of(*fit, "standard deviation of the sizes", [](const Fit& f) { return std_of(f); }, confidence);
+    if (family == Family::constant) {
+      spread.high = fit->max;
+      spread.method = "one size; the largest spread that the traces allow";
+    }
     FittedSize size{.law = law,
                     .mean = scaled(mean, mean.name, scale, mean.method),
                     .std = scaled(spread, spread.name, scale, spread.method),
@@ -145,13 +149,17 @@ void fit_sizes(SetResult& set, const std::vector<SeenLength>& lengths, const Mee
         confidence);
     set.sizes.push_back(std::move(size));
   }
-  if (!left_out.empty() && !set.sizes.empty()) {
+  std::ranges::stable_sort(set.sizes, {}, &FittedSize::aic);
+  if (!set.sizes.empty() && set.sizes.front().law.family == Family::constant) {
+    set.notes.push_back(
+        fmt::format("sizes: the traces are those of joints all of one size; a standard deviation of up to "
+                    "{:.2g} m cannot be told from it",
+                    set.sizes.front().std.high));
+  } else if (!left_out.empty() && !set.sizes.empty()) {
     set.notes.push_back(
         "sizes: " + left_out +
-        " left out: the likelihood of the traces has no maximum between nearly equal sizes and a spread of four means; "
-        "where joints are nearly equal in size the laws that are left give a wrong mean: state the size");
+        " left out: the likelihood of the traces has no maximum between nearly equal sizes and a spread of four means");
   }
-  std::ranges::stable_sort(set.sizes, {}, &FittedSize::aic);
   undecided(set, "size", [](const FittedSize& l) { return std::pair{l.law.family, l.aic}; }, set.sizes);
 }
 
@@ -190,9 +198,25 @@ void average(Estimate& taken, const std::vector<FittedSize>& laws, const std::fu
   taken.method += ", over all laws by their AIC";
 }
 
+/// One size has no spread to be averaged: where it is taken, the largest that it or a law nearly as good allows; where
+/// it is nearly as good as the one that is taken, there may be none.
+void average_spread(SetResult& set, double confidence) {
+  constexpr double close = 6;
+  const double best = set.sizes.front().aic;
+  if (set.sizes.front().law.family != Family::constant) {
+    average(*set.size_std, set.sizes, [](const FittedSize& law) { return law.std; }, confidence);
+  }
+  for (const FittedSize& law : set.sizes) {
+    if (law.aic > best + close) continue;
+    if (law.law.family == Family::constant) set.size_std->low = 0;
+    if (set.sizes.front().law.family == Family::constant)
+      set.size_std->high = std::max(set.size_std->high, law.std.high);
+  }
+}
+
 void average_over_laws(SetResult& set, double confidence) {
   average(*set.size_mean, set.sizes, [](const FittedSize& law) { return law.mean; }, confidence);
-  average(*set.size_std, set.sizes, [](const FittedSize& law) { return law.std; }, confidence);
+  average_spread(set, confidence);
   set.offered = set.sizes.front().offered;
   average(*set.offered, set.sizes, [](const FittedSize& law) { return law.offered; }, confidence);
 }

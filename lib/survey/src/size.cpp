@@ -64,8 +64,9 @@ std::optional<SizeOfJoints> size_law(Family family, double mean_length, double s
       const double shape = (2 - m.ratio()) / (m.ratio() - 1), scale = m.m2 / (shape + 1);
       return SizeOfJoints{.family = family, .mean = shape * scale, .std = std::sqrt(shape) * scale};
     }
-    case Family::power:                        // its limits are not to be had from two moments
-    case Family::normal: return std::nullopt;  // a law of traces: sizes are never below their traces
+    case Family::power:   // its limits are not to be had from two moments
+    case Family::normal:  // a law of traces: sizes are never below their traces
+    case Family::constant: return std::nullopt;
   }
   std::unreachable();
 }
@@ -129,6 +130,7 @@ double size_moment(const SizeOfJoints& law, int k) {
       fit.b = law.std;
       return fit.moment(k);
     }
+    case Family::constant: return std::pow(law.mean, k);
   }
   std::unreachable();
 }

@@ -209,6 +209,49 @@ std::vector<SeenTrace> seen_through(const Window& window, std::span<const Polyli
   return seen;
 }
 
+namespace {
+double perimeter_of(const Window& window) {
+  if (const auto* circle = std::get_if<CircleWindow>(&window)) return 2 * std::numbers::pi * circle->radius;
+  const auto& corners = std::get<PolygonWindow>(window).corners;
+  double sum = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) sum += norm(corners[(i + 1) % corners.size()] - corners[i]);
+  return sum;
+}
+}  // namespace
+
+CutOffEnds cut_off_by_border(const Window& window, std::span<const Polyline> traces) {
+  CutOffEnds cut;
+  if (traces.size() > 20000) return cut;
+  const double size = std::sqrt(area_of(window)), rounding = 1e-5 * size, farthest = 0.03 * size;
+  constexpr double alarm = 8;  // logarithm of the likelihood ratio
+  std::vector<double> near;
+  std::size_t farther = 0;
+  for (const Polyline& line : traces) {
+    if (line.empty()) continue;
+    for (const MapPoint end : {line.front(), line.back()}) {
+      if (!holds(window, end)) continue;
+      const double distance = distance_to_border(window, end);
+      if (distance <= farthest) near.push_back(distance);
+      farther += distance > farthest ? 1U : 0U;
+    }
+  }
+  std::ranges::sort(near);
+  const double strip = perimeter_of(window) * farthest;
+  const double rate =
+      std::max(1.0, number(farther)) / std::max(0.1 * size * size, size * size - strip) * perimeter_of(window);
+  // The strip in which chance is the worst explanation (scan statistic of Kulldorff 1997).
+  double worst = 0;
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    const double n = number(i + 1), by_chance = rate * std::max(near[i], rounding);
+    const double ratio = n > by_chance ? n * std::log(n / by_chance) - (n - by_chance) : 0;
+    const bool rounded = near[i] <= rounding;
+    if (!(ratio > worst) || (!rounded && ratio < alarm)) continue;
+    worst = ratio;
+    cut = {i + 1, metres(near[i]), by_chance, metres(std::max(10 * rounding, 1.5 * near[i]))};
+  }
+  return cut;
+}
+
 WindowCounts count(const Window& window, std::span<const SeenTrace> seen) {
   WindowCounts c;
   c.area = area_of(window);

@@ -99,10 +99,11 @@ void quantity_fields(V& v, const stochastic::Estimate& x, double confidence) {
   v("largest", when(!ratio, x.largest));
   v("skewness", when(!ratio, x.skewness));
   v("optimistic", when(!ratio || x.optimistic, x.optimistic),
-    "heavy tail: the interval covers some per cent less than it says");
+    "long tail seen in few realizations: the interval may cover some per cent less than it says");
   const stochastic::Interval bootstrap = x.bootstrap.value_or(stochastic::Interval{});
   v("bootstrap_low", when(x.bootstrap.has_value(), bootstrap.low));
   v("bootstrap_high", when(x.bootstrap.has_value(), bootstrap.high));
+  v("estimable", when(!x.estimable, x.estimable), "false: no number of realizations shows the mean: take quantiles");
 }
 
 template <class V>

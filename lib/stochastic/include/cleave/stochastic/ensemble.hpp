@@ -25,6 +25,7 @@ struct Quantity {
   bool probability = false;  ///< 0 or 1 in a realization
   bool groups = false;       ///< needs blocks judged together
   bool clamped = false;      ///< needs the stress across joints
+  bool by_slivers = false;   ///< hangs on the thinnest block met: means do not settle
 };
 [[nodiscard]] const std::vector<Quantity>& quantities();
 /// The quantity of a scene's word: with or without its unit ("key_block_volume", "key_block_volume_m3").
@@ -42,9 +43,11 @@ struct Estimate {
   Method method = Method::mean;
   std::uint64_t realizations = 0;
   double mean = 0, standard_error = 0, low = 0, high = 0, std = 0, skewness = 0, smallest = 0, largest = 0;
-  /// |skewness|/sqrt(n) > 0.4: the tail is so heavy that the interval may cover some per cent less than it says.
+  /// A long tail seen in few realizations: the interval may cover some per cent less than it says.
   bool optimistic = false;
-  std::optional<Interval> bootstrap;  ///< BCa, given when |skewness|/sqrt(n) > 0.2 and the values were kept
+  bool estimable = true;  ///< false: no number of realizations shows the mean
+  /// BCa, given when |skewness|/sqrt(n) > 0.2 and the values were kept; never inside of low and high.
+  std::optional<Interval> bootstrap;
 };
 
 struct QuantileEstimate {
@@ -170,7 +173,7 @@ class Ensemble final {
   explicit Ensemble(EnsembleOptions options);
   void add(const Record& record, std::string_view line);
   [[nodiscard]] std::uint64_t counted() const noexcept { return counted_; }
-  [[nodiscard]] const Moments& moments(std::string_view quantity) const;
+  [[nodiscard]] const Moments& moments(std::string_view quantity) const { return moments_[index_of(quantity)]; }
   [[nodiscard]] Figures figures() const;
 
  private:
@@ -189,12 +192,13 @@ class Ensemble final {
            (options_.clamped || !q.clamped);
   }
   static const std::vector<Ratio>& ratios();
+  [[nodiscard]] static std::size_t index_of(std::string_view quantity);
   [[nodiscard]] std::vector<double> numbers_of(const Record& record) const;
   void add_unit(const std::vector<double>& sums);
   void add_extremes(const Record& record);
-  [[nodiscard]] Estimate estimate(std::string name, const Moments& moments, Method method) const;
+  [[nodiscard]] Estimate estimate(std::string name, const Moments& moments, const Tail& tail, Method method) const;
   [[nodiscard]] Interval share_interval(const PairMoments& pair) const;
-  [[nodiscard]] Estimate ratio_estimate(std::string name, const PairMoments& pair, bool share) const;
+  [[nodiscard]] Estimate ratio_estimate(std::string name, const PairMoments& pair, const Tail& tail, bool share) const;
   [[nodiscard]] double probability_of(const Moments& hits) const;
   [[nodiscard]] Interval probability_interval(const Moments& hits) const;
   void add_orders(Figures& figures) const;
@@ -211,15 +215,19 @@ class Ensemble final {
   std::uint64_t counted_ = 0;       // realizations
   std::uint64_t units_ = 0;         // geometries whose realizations are all there; realizations without nesting
   std::vector<Moments> moments_;    // of quantities()
+  std::vector<Tail> tails_;         // the same
   std::vector<ValueStore> values_;  // of those with quantiles; of a nested design the first of each geometry
   std::vector<ValueStore> means_;   // of those with quantiles, of a nested design, over a geometry
   std::vector<PairMoments> ratios_;
+  std::vector<Tail> ratio_tails_;  // of the ratio in each geometry, by what is below
   Moments mean_volume_per_realization_;
+  Tail mean_volume_per_realization_tail_;
   std::vector<Moments> exceeding_;  // 1 for a realization with a block above the volume
   std::vector<Moments> numbers_above_;
   std::vector<std::vector<Moments>> chainage_;  // by volume, by part
   struct OrderMoments {
     Moments count, volume, count_difference, volume_difference, best;
+    Tail count_tail, volume_tail;
   };
   std::vector<OrderMoments> orders_;
   // Of the geometry at work: sums over its realizations, moments of the quantities, how many are there.

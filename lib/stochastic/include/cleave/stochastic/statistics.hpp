@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -54,6 +55,28 @@ class PairMoments final {
   double mean_y_ = 0, mean_x_ = 0, yy_ = 0, xx_ = 0, xy_ = 0, yyy_ = 0, yyx_ = 0, yxx_ = 0, xxx_ = 0;
 };
 
+/// Upper tail of numbers that are not negative, as seen from their middle: how far those above the median lie from it
+/// on the logarithm. Few large values move it little, while they make both mean and standard error of a sample: a
+/// sample that met none has the same tail as one that did.
+class Tail final {
+ public:
+  void add(double x, double weight = 1);
+  /// Numbers above 0, as many of equal weight: (sum w)^2/sum w^2.
+  [[nodiscard]] double parts() const noexcept;
+  /// Square of the standard deviation of the logarithm that a lognormal law with this upper half has.
+  [[nodiscard]] double log_variance() const noexcept;
+  /// Square of the standard error of the logarithm of such a law's mean, from its median, spread and share of zeros
+  /// (Cox's method; Zhou & Gao 1997); 0 without a tail.
+  [[nodiscard]] double log_error_squared() const noexcept;
+  /// A long tail seen in few numbers: an interval of the mean may cover less than it says.
+  [[nodiscard]] bool long_from_few() const noexcept;
+
+ private:
+  std::map<int, double> bins_;  // weight by logarithm, in steps that are small against a long tail's spread
+  double above_ = 0, above_squares_ = 0, all_ = 0, all_squares_ = 0;
+  bool negative_ = false;
+};
+
 // ---- Values kept to the end -----------------------------------------------------------------------------------------
 
 /// Numbers that are only needed again at the end. Beyond a few thousand they go to a temporary file without a name, so
@@ -89,6 +112,8 @@ struct Interval {
 /// 1 + widening |skewness|/sqrt n, as the skewness is itself seen too small in few values.
 [[nodiscard]] Interval skew_interval(double mean, double standard_error, double skewness, std::uint64_t n,
                                      double confidence, double widening);
+/// `interval` of a mean or ratio, with the upper end that a lognormal law with the tail has where that one is higher.
+[[nodiscard]] Interval with_tail(Interval interval, double mean, const Tail& tail, std::uint64_t n, double confidence);
 /// Of a probability after k successes in n trials, n >= 1: Clopper & Pearson (1934), exact (at least the confidence).
 [[nodiscard]] Interval clopper_pearson(std::uint64_t k, std::uint64_t n, double confidence);
 /// The same of a share that comes from samples that hang together (Korn & Graubard 1998): `share` of `effective`

@@ -20,6 +20,7 @@ struct OutcropSize {
   geometry::Vec3 along;  ///< unit, its side of `width`
   Length width, height;
   Length diameter;  ///< of the joints, as discs
+  friend bool operator==(const OutcropSize&, const OutcropSize&) = default;
 };
 
 /// A joint whose orientation was measured.
@@ -29,6 +30,7 @@ struct MeasuredOrientation {
   std::optional<geometry::Vec3> line;    ///< direction of the line it was met on
   std::optional<geometry::Vec3> window;  ///< normal of the outcrop it was seen on
   std::optional<OutcropSize> outcrop = {};
+  friend bool operator==(const MeasuredOrientation&, const MeasuredOrientation&) = default;
 };
 
 /// Weight against the bias of how it was met: on lines 1/|n.l|, on outcrops 1/sin V, where the outcrop's size is known
@@ -36,6 +38,8 @@ struct MeasuredOrientation {
 /// share the mean weight of their zone, so that the cap leaves no bias: where as many lie on either side of the line as
 /// beyond it, 1/|n.l| has the mean 2 caps among those met, 1/sin V of an outcrop 1.5 caps.
 [[nodiscard]] double weight_of(const MeasuredOrientation& joint, double cap);
+/// How joints like this one are met, for the cone of their mean; no joints yet.
+[[nodiscard]] Sampling sampling_of(MeasuredOrientation joint);
 
 /// A scanline or borehole: straight pieces one after the other (a curved one has several).
 struct LineSurvey {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -34,10 +35,13 @@ struct FisherFit {
   geometry::Vec3 mean;  ///< unit, z >= 0
   double kappa = 0;     ///< (N_e - 1)/(N_e - R_e); infinite for one joint or parallel ones
   double kappa_low = 0, kappa_high = 0;
-  /// Half angle of the confidence cone of the mean: Fisher's (1953) for equal weights, else by leaving out one joint
-  /// after the other (weights of their own scatter more than Fisher's form allows).
+  /// Half angle of the confidence cone of the mean: Fisher's (1953) for equal weights, else from the scatter of
+  /// weighted joints that the fitted law has where they were met. The sample's own scatter (leaving out one joint after
+  /// the other) is too small just where the heavy joints were not met; it is taken where it is not known how joints
+  /// were met, and where it is the larger one and Fisher's law does not fit.
   double cone_degrees = 0;
   double effective_count = 0;  ///< (sum w)^2/sum w^2
+  double expected_count = 0;   ///< the same as the fitted law has it, whatever joints were met; else that of the sample
   std::size_t count = 0;
   std::size_t capped = 0;  ///< weights at the cap
   /// Fisher's law fits: 1 - cos t exponential (Stephens' corrected Kolmogorov-Smirnov statistic below its 5 % point
@@ -45,13 +49,20 @@ struct FisherFit {
   bool fisher = true;
   double statistic = 0;
 };
+/// Joints met in one way (on one line, on one outcrop): the weight that one of this normal has, at most about the cap;
+/// the chance to be met is 1/weight without a cap.
+struct Sampling {
+  std::function<double(geometry::Vec3 normal, double cap)> weight;
+  std::size_t joints = 0;
+};
 /// Weighted mean and concentration (Fisher 1953): axes are turned to the mean until none changes sides. Not empty.
+/// `met`: how the joints were met, for the cone; empty: not known.
 [[nodiscard]] FisherFit fit_fisher(std::span<const geometry::Vec3> normals, std::span<const double> weights,
-                                   double confidence = 0.95, double cap = 10);
+                                   double confidence = 0.95, double cap = 10, std::span<const Sampling> met = {});
 
-/// Whether so few joints carry most of the weight that the cone covers less than it says (90 to 93 % instead of 95).
+/// Whether few joints carry most of the weight of a law met so, and only few were met.
 [[nodiscard]] inline bool few_carry(const FisherFit& fit) noexcept {
-  return fit.count < 100 && fit.effective_count < 0.75 * static_cast<double>(fit.count);
+  return fit.count < 100 && fit.expected_count < 0.5 * static_cast<double>(fit.count);
 }
 
 /// Bingham's law exp(k1 (n.v1)^2 + k2 (n.v2)^2)/F about the two smaller axes of the tensor, k1 <= k2 <= 0: maximum
