@@ -102,5 +102,32 @@ TEST(Locking, ASlowBlockBetweenWallsIsNotHeld) {
   }
 }
 
+TEST(Locking, LargeGroupsBetweenWallsAreNotHeld) {
+  // Their convex programmes are solved by interior points.
+  constexpr int blocks = 44;
+  std::vector<BodySpec> bodies{{.shape = box({-1, -2, -6}, {0, 3, 6}), .fixed = true},
+                               {.shape = box({blocks, -2, -6}, {blocks + 1, 3, 6}), .fixed = true}};
+  for (int k = 0; k < blocks; ++k) bodies.push_back(body(box({k + 0.0, 0, 0}, {k + 1.0, 1, 1 + 0.25 * (k % 2)})));
+  World w = world(std::move(bodies), 0.5, {.step = 0.01, .theta = 1});
+  ASSERT_TRUE(w.step().has_value());
+  for (std::size_t b = 2; b < w.size(); ++b) EXPECT_NEAR(w.velocity(b).z, -9.81 * 0.01, 1e-7) << b;
+}
+
+TEST(Locking, LookingAtALargeGroupAgainIsNotDear) {
+  // Cubes held by friction on a slope, all faces closed: the search from motion takes tens of factors a programme.
+  std::vector<BodySpec> bodies{floor()};
+  for (int k = 0; k < 64; ++k) {
+    const Vec3 at{k % 4 + 0.0, k / 4 % 4 + 0.0, k / 16 + 0.0};
+    bodies.push_back(body(box(at, at + Vec3{1, 1, 1})));
+  }
+  World w = world(std::move(bodies), 0.7, {.gravity = {1.5, 0.5, -9.81}, .step = 0.01, .theta = 1});
+  const auto report = w.step();
+  ASSERT_TRUE(report.has_value());
+  EXPECT_LE(report->residual, 1e-8);
+  EXPECT_EQ(report->may_be_locked, 0U);
+  EXPECT_LT(report->max_speed, 1e-6);
+  EXPECT_LT(report->iterations, 1000U);
+}
+
 }  // namespace
 }  // namespace cleave::motion

@@ -14,6 +14,8 @@ using Eigen::VectorXd;
 
 /// From impulses (n, t) to the cone |t| <= n of axes of one length: n is stretched by this.
 double stretch(const Scaled::Element& e) { return e.mu > 0 ? e.mu : 1; }
+/// How far below none the stretched n may go: without friction cohesion is not in the way of opening.
+double apex(const Scaled::Element& e) { return e.mu > 0 ? e.cohesion : e.tension; }
 
 /// n^2 - t^2 of a vector inside the cone, without the loss of digits near its skin.
 double square(const Vector3d& x) {
@@ -69,14 +71,14 @@ void Interior::begin(std::vector<Vector3d>& x, const Options& options) {
   for (std::size_t k = 0; k < x.size(); ++k) {
     const Scaled::Element& e = scaled_->elements[k];
     const double wide = stretch(e);
-    const Vector3d at{wide * x[k][0] + e.cohesion, e.mu > 0 ? x[k][1] : 0, e.mu > 0 ? x[k][2] : 0};
+    const Vector3d at{wide * x[k][0] + apex(e), e.mu > 0 ? x[k][1] : 0, e.mu > 0 ? x[k][2] : 0};
     Cone& cone = cones_[k];
     cone.force = at;
     cone.force[0] = std::max(at[0], at.tail<2>().norm()) + options.start;
     cone.speed = {1, 0, 0};
     cone.unit = {1 / wide, e.mu > 0 ? 1.0 : 0.0, e.mu > 0 ? 1.0 : 0.0};
     x[k] = cone.force;
-    x[k][0] = (x[k][0] - e.cohesion) / wide;
+    x[k][0] = (x[k][0] - apex(e)) / wide;
   }
   for (std::size_t k = 0; k < x.size(); ++k) scaled_->add(scaled_->elements[k], x[k], v_);
 }
@@ -118,7 +120,9 @@ double Interior::linearise(const std::vector<Vector3d>& x, const std::vector<Vec
     // Velocities, opened by the slip.
     Vector3d u = scaled_->relative(e, v_);
     c.turn.setIdentity();
-    if (e.mu > 0) {
+    if (e.mu > 0 && !options.given.empty()) {
+      u[0] += e.mu * options.given[k];
+    } else if (e.mu > 0) {
       const double slip = std::sqrt(u.tail<2>().squaredNorm() + blunt * blunt);
       if (options.coupled) c.turn.row(0).tail<2>() = e.mu / slip * u.tail<2>().transpose();
       u[0] += e.mu * slip;
@@ -182,7 +186,7 @@ void Interior::step(double share, std::vector<Vector3d>& x) {
     c.force += share * c.d_force;
     c.speed += share * c.d_speed;
     x[k] = c.force;
-    x[k][0] = (c.force[0] - e.cohesion) / stretch(e);
+    x[k][0] = (c.force[0] - apex(e)) / stretch(e);
   }
 }
 
@@ -206,8 +210,8 @@ double Interior::solve(std::vector<Vector3d>& x, const Options& options) {
     } else {
       ++stuck;
     }
-    if ((left < options.goal && off < 1e-12) || stuck > 12) break;
-    if (!factor(!options.coupled)) break;
+    if ((left < options.goal && off < std::max(1e-12, 0.1 * options.goal)) || stuck > 12) break;
+    if (!factor(!options.coupled || !options.given.empty())) break;
     const double reach = direct(0, false, options.weight);
     const double centring = std::clamp(std::pow(std::max(0.0, mean_product(reach) / left), 3), 1e-6, 1.0);
     double share = direct(std::max(centring * left, 0.1 * options.goal), true, options.weight);

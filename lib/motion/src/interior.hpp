@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "newton.hpp"
@@ -23,6 +24,8 @@ class Interior final {
     double start = 1e3;     ///< how far inside the cone forces begin, of what moves a body by 1
     bool coupled = true;    ///< slip in the linearised system, else renewed from step to step
     std::size_t most = 60;  ///< factors
+    /// Slip of each point, as if it were known: one convex programme. Empty: it is found.
+    std::span<const double> given = {};
   };
   /// Forces near the end of the path; the products left. `x`: the centre, then the answer.
   double solve(std::vector<Eigen::Vector3d>& x, const Options& options);

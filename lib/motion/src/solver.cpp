@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "interior.hpp"
 #include "newton.hpp"
@@ -108,18 +109,20 @@ class Cascade {
   }
   Unknowns none() const { return Unknowns(group_.points.size(), Vector3d::Zero()); }
 
-  void look_at(const Unknowns& x, Method method) {
+  /// Its residual; kept when it is the best so far.
+  double look_at(const Unknowns& x, Method method) {
     std::vector<Vector3d> impulse;
     for (std::size_t k = 0; k < x.size(); ++k) impulse.emplace_back(x[k] * scaled_.elements[k].scale);
     Response response = respond(group_, impulse);
     const Judged judged = judge(group_, impulse, response);
-    if (tried_ && !(judged.residual < best_.report.residual)) return;
+    if (tried_ && !(judged.residual < best_.report.residual)) return judged.residual;
     tried_ = true;
     best_.report.residual = judged.residual;
     best_.report.missed_speed = judged.missed;
     best_.report.method = method;
     best_.impulse = std::move(impulse);
     best_.velocity = std::move(response.velocity);
+    return judged.residual;
   }
 
   void coulomb(Unknowns x, Method method, const Newton::Schedule& schedule) {
@@ -156,8 +159,9 @@ class Cascade {
       for (const double weight : {1e-9, 0.0}) {
         if (done()) return;
         Unknowns x = none();
-        (void)interior_.solve(x, {.weight = weight, .coupled = coupled});
+        const double left = interior_.solve(x, {.weight = weight, .coupled = coupled});
         look_at(x, Method::interior);
+        if (!(left < 1e-2) && is_large()) continue;  // far from any answer: Newton's iteration would get lost
         for (const double rough : {1e-3, 1e-5, 1e-7}) {
           if (done()) return;
           Unknowns near = x;
@@ -196,6 +200,43 @@ class Cascade {
     return out;
   }
 
+  /// Groups in which proximal points take hundreds of factors for one convex programme.
+  [[nodiscard]] bool is_large() const { return group_.mass.size() > 40; }
+
+  /// Whether Newton's iteration may go on from an answer with this residual: in large groups it gets lost from far.
+  [[nodiscard]] bool is_near(double residual) const { return !is_large() || residual < 0.5; }
+
+  /// The slip given, the rest is one convex programme. Interior points solve it in some 25 factors however many points
+  /// there are; where they do not, and in small groups, proximal points from `x`. Returns what velocities may be off.
+  double cone(const Programme& programme, Unknowns& x, const Newton::Schedule& schedule, double goal) {
+    if (is_large()) {
+      Unknowns inner = none();
+      const double left =
+          interior_.solve(inner, {.weight = 1e-9, .goal = goal, .coupled = false, .given = programme.given});
+      if (left < std::max(10 * goal, 1e-6)) {
+        x = std::move(inner);
+        return left;
+      }
+    }
+    return newton_.solve(programme, x, schedule);
+  }
+
+  /// Forces without friction.
+  Unknowns smooth(double finest) {
+    Unknowns x = none();
+    if (is_large()) {
+      std::vector<double> friction;
+      for (auto& e : scaled_.elements) friction.push_back(std::exchange(e.mu, 0));
+      const std::vector<double> still(x.size(), 0);
+      const double left = interior_.solve(x, {.weight = 1e-9, .goal = 1e-8, .coupled = false, .given = still});
+      for (std::size_t k = 0; k < friction.size(); ++k) scaled_.elements[k].mu = friction[k];
+      if (left < 1e-6) return x;
+      x = none();
+    }
+    (void)newton_.solve({.law = Law::frictionless}, x, {.fine = 1e-5, .last = 4, .finest = finest});
+    return x;
+  }
+
   /// The slip given, the rest is one convex programme; the slip is then renewed. From the slip without friction:
   /// forces that only lock blocks between one another, and hold as well as not, are not found; from none they are.
   enum class From : std::uint8_t { frictionless, rest };
@@ -203,22 +244,20 @@ class Cascade {
     Unknowns x = none();
     Programme programme{.law = Law::cone, .given = std::vector<double>(x.size(), 0)};
     if (from == From::frictionless) {
-      Unknowns free = none();
-      (void)newton_.solve({.law = Law::frictionless}, free, {.fine = 1e-5, .last = 4, .finest = 1e-5});
-      programme.given = slips(free);
+      programme.given = slips(smooth(1e-5));
     }
     Progress progress;
     for (int round = 0; round < 60 && !done() && !spent() && progress.goes_on(best_.report.residual); ++round) {
-      const double hidden = newton_.solve(
-          programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = last, .finest = finest});
-      look_at(x, Method::convex);
+      const double hidden =
+          cone(programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = last, .finest = finest}, 1e-8);
+      const double off = look_at(x, Method::convex);
       if (done()) return;
       const std::vector<double> slip = slips(x);
       for (std::size_t k = 0; k < x.size(); ++k) {
         const double renewed = round < 20 ? slip[k] : 0.5 * (programme.given[k] + slip[k]);
         programme.given[k] = slip[k] > 30 * hidden ? renewed : 0;
       }
-      nearby(x, Method::convex);
+      if (is_near(off)) nearby(x, Method::convex);
     }
   }
 
@@ -252,8 +291,7 @@ class Cascade {
     if (warm) coulomb(start(), Method::newton, {.rough = 1e-4, .fine = 1e-6});
     if (!done()) coulomb(none(), Method::newton, {});
     // Dear rounds of convex programmes come second in large groups. Elsewhere what moves is looked for in motion first.
-    constexpr std::size_t large = 40;
-    const bool first = options_.locking && group_.mass.size() > large;
+    const bool first = options_.locking && is_large();
     if (!done() && first) by_interior();
     if (!done()) by_slip(From::frictionless, 1e-5, 4);
     if (!done() && !options_.locking) by_slip(From::frictionless, 1e-8, 8);
@@ -307,8 +345,11 @@ class Cascade {
   /// friction followed up from none, ends in no other one that keeps more of the motion.
   void prefer_motion() {
     if (!somebody_stands()) return;
-    Unknowns free = none();
-    (void)newton_.solve({.law = Law::frictionless}, free, {.fine = 1e-5, .last = 4, .finest = 1e-8});
+    Unknowns free = smooth(1e-8);
+    // Interior points leave some rounding of their own: what is near is looked at with the last digits.
+    if (is_large() && motion_of(velocities_of(free)) <= motion_of(best_.velocity) + 1e-4) {
+      (void)newton_.solve({.law = Law::frictionless}, free, {.rough = 1e-3, .fine = 1e-5, .last = 4, .finest = 1e-8});
+    }
     if (motion_of(velocities_of(free)) <= motion_of(best_.velocity) + 1e-9) return;  // stands without friction
     Solution standing = std::move(best_);
     best_ = {};
@@ -339,9 +380,10 @@ class Cascade {
       for (std::size_t e = 0; e < friction.size(); ++e) scaled_.elements[e].mu = k / shares * friction[e];
       const bool last = k >= shares;
       Progress progress;
-      for (int round = 0; round < (last ? 60 : 6) && !spent(); ++round) {
+      for (int round = 0; round < (last ? 60 : is_large() ? 2 : 6) && !spent(); ++round) {
         const double hidden =
-            newton_.solve(programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = 4, .finest = 1e-5});
+            cone(programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = 4, .finest = 1e-5},
+                 last ? 1e-8 : 1e-6);
         double change = 0, largest = 0;
         const std::vector<double> slip = slips(x);
         for (std::size_t e = 0; e < slip.size(); ++e) {
@@ -351,8 +393,7 @@ class Cascade {
           programme.given[e] = renewed;
         }
         if (last) {
-          look_at(x, Method::convex);
-          nearby(x, Method::convex);
+          if (is_near(look_at(x, Method::convex))) nearby(x, Method::convex);
           if (done() || !progress.goes_on(best_.report.residual)) break;
         } else if (change <= 1e-3 * largest) {
           break;
