@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <iterator>
 #include <vector>
 
 #include "complexes.hpp"
@@ -59,6 +61,19 @@ void expect_given_back(const Data& data) {
     const topology::PatchRange own = complex.patches(out);
     ASSERT_EQ(own.size(), patches.size());
     for (std::size_t p = 0; p < patches.size(); ++p) expect_same(patches[p], own[p]);
+    // What is to be had without the face.
+    EXPECT_EQ(complex.faces().block(f), in.block);
+    EXPECT_EQ(complex.faces().plane(f), in.plane);
+    std::vector<Patch> beside;
+    std::ranges::copy_if(patches, std::back_inserter(beside), [](const Patch& p) { return p.neighbour.has_value(); });
+    std::size_t next = 0;
+    complex.faces().visit_neighbours(f, [&](topology::BlockId other, Area area) {
+      ASSERT_LT(next, beside.size());
+      EXPECT_EQ(other, beside[next].neighbour);
+      EXPECT_EQ(bits(area.si()), bits(beside[next].area.si()));
+      ++next;
+    });
+    EXPECT_EQ(next, beside.size());
   }
 }
 

@@ -29,15 +29,14 @@ std::uint64_t count_unpaired(const BlockComplex& complex, ThreadLimit threads) {
   const auto for_each = [&](const auto& visit) {
     detail::in_pieces(complex.faces().size(), 16384, threads, [&](std::size_t first, std::size_t last) {
       for (std::size_t f = first; f < last; ++f) {
-        const Face& face = complex.faces()[FaceId{f}];
-        for (const Patch& patch : complex.patches(face)) {
-          if (patch.neighbour) visit(face, patch, face.block.value(), patch.neighbour->value());
-        }
+        const std::uint32_t block = complex.faces().block(FaceId{f}).value();
+        complex.faces().visit_neighbours(
+            FaceId{f}, [&](BlockId other, Area area) { visit(FaceId{f}, area, block, other.value()); });
       }
     });
   };
   std::atomic<std::uint64_t> found{0};
-  for_each([&](const Face&, const Patch&, std::uint32_t a, std::uint32_t b) {
+  for_each([&](FaceId, Area, std::uint32_t a, std::uint32_t b) {
     if (std::max(a, b) < blocks) {
       count(begin[std::min(a, b) + std::size_t{1}]);
     } else {
@@ -47,10 +46,10 @@ std::uint64_t count_unpaired(const BlockComplex& complex, ThreadLimit threads) {
   for (std::size_t k = 1; k < begin.size(); ++k) begin[k] += begin[k - 1];
   std::vector<Pair> pairs(begin.back());
   auto next = begin;
-  for_each([&](const Face& face, const Patch& patch, std::uint32_t a, std::uint32_t b) {
+  for_each([&](FaceId face, Area area, std::uint32_t a, std::uint32_t b) {
     if (std::max(a, b) >= blocks) return;
-    pairs[count(next[std::min(a, b)])] = {std::max(a, b), face.plane.value(),
-                                          a < b ? patch.area.si() : -patch.area.si()};
+    pairs[count(next[std::min(a, b)])] = {std::max(a, b), complex.faces().plane(face).value(),
+                                          a < b ? area.si() : -area.si()};
   });
   detail::in_pieces(blocks, 4096, threads, [&](std::size_t first_block, std::size_t last_block) {
     std::uint64_t here = 0;

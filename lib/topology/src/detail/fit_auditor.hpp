@@ -96,7 +96,7 @@ class FitAuditor final {
   [[nodiscard]] std::vector<Misfit> faces_without_block() const {
     std::vector<Misfit> lost;
     for (const FaceId f : complex_.faces().ids()) {
-      const BlockId block = complex_.faces()[f].block;
+      const BlockId block = complex_.faces().block(f);
       const FaceRange own = block.index() < complex_.blocks().size() ? complex_.blocks()[block].faces : FaceRange{};
       if (own.empty() || f < own.front() || f.index() >= own.front().index() + own.size()) {
         lost.push_back({Misfit::Of::owner, block, f});

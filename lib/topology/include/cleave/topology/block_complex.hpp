@@ -210,6 +210,37 @@ class PackedFaces final {
   [[nodiscard]] Iterator begin() const noexcept { return {*this, 0}; }
   [[nodiscard]] Iterator end() const noexcept { return {*this, static_cast<std::uint32_t>(size())}; }
 
+  /// As of the face, at less cost than all of it.
+  [[nodiscard]] BlockId block(FaceId id) const {
+    CLEAVE_ASSERT(id.index() < records_.size());
+    return BlockId{records_[id.index()].block};
+  }
+  [[nodiscard]] PlaneId plane(FaceId id) const {
+    CLEAVE_ASSERT(id.index() < records_.size());
+    const Record& r = records_[id.index()];
+    return (r.plane & whole) != 0 ? whole_[r.measure].plane : PlaneId{r.plane >> plane_shift};
+  }
+  /// Calls `visit(neighbour, area)` for each patch of the face that has a block behind it.
+  template <class Visit>
+  void visit_neighbours(FaceId id, Visit&& visit) const {
+    CLEAVE_ASSERT(id.index() < records_.size());
+    const Record& r = records_[id.index()];
+    const auto all_of = [&](std::uint32_t first, std::uint32_t count) {
+      for (const Patch& patch : std::span{patches_}.subspan(first, count)) {
+        if (patch.neighbour) visit(*patch.neighbour, patch.area);
+      }
+    };
+    if ((r.plane & whole) != 0) {
+      all_of(whole_[r.measure].first_patch, whole_[r.measure].patch_count);
+    } else if (static_cast<Role>(r.plane >> 1U & 3U) == Role::joint) {
+      if ((r.beyond & several) == 0) {
+        visit(BlockId{r.beyond}, measures_[r.measure].area);
+      } else {
+        all_of(lists_[r.beyond & ~several].first, lists_[r.beyond & ~several].count);
+      }
+    }
+  }
+
   /// The face where it is kept as it was put in; null where it is not.
   [[nodiscard]] const Face* kept_whole(FaceId id) const {
     CLEAVE_ASSERT(id.index() < records_.size());
