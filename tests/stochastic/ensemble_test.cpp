@@ -238,6 +238,23 @@ TEST(EnsembleTest, MeansOverSliversAreNotEstimable) {
   EXPECT_FALSE(says(n));
 }
 
+// A share is of the same shapes whether of all batches or of the first.
+TEST(EnsembleTest, SharesOfTheFirstBatchAreOfTheSameShapes) {
+  Ensemble ensemble{options()};
+  for (std::uint64_t k = 0; k < 4; ++k) {
+    Record r = record(k, {1, 2, 3, 4, 5});
+    r.all.shapes = {1, 1, 1, 1, 1};
+    r.first.shapes = r.all.shapes;
+    ensemble.add(r, "s");
+  }
+  const Figures f = ensemble.figures();
+  for (const std::string_view shape : shape_names) {
+    const std::string name = "share_" + std::string{shape};
+    EXPECT_DOUBLE_EQ(find(f, "first_batch_" + name).mean, 0.2) << name;
+    EXPECT_DOUBLE_EQ(find(f, name).mean, 0.2) << name;
+  }
+}
+
 // The running mean with its band is that of the first n realizations, ever further apart, and ends with all of them.
 TEST(EnsembleTest, RunningMeansAreThoseOfTheFirstRealizations) {
   Ensemble ensemble{options()};

@@ -190,5 +190,23 @@ TEST(FieldTables, TablesOfShapeMetriX) {
   EXPECT_TRUE(error_of(poles, "Units,furlong\nDip,Dip Direction\n1,2\n").contains("units: are \"furlong\""));
 }
 
+// A line that meets no joint is data; a table of orientations without any is none.
+TEST(FieldTables, BarrenLinesAreTaken) {
+  const std::string line = "[[scanline]]\ntrend = 0\nplunge = 0\nlength = 20\nfile = \"t.csv\"\n";
+  const auto survey = parsed(line, "distance,dip,dip_direction\n");
+  ASSERT_TRUE(survey.has_value());
+  ASSERT_EQ(survey->input.lines.size(), 1U);
+  EXPECT_EQ(survey->input.lines[0].length(), 20);
+  EXPECT_TRUE(survey->input.lines[0].positions.empty());
+  const survey::SurveyResult result = survey::analyse(survey->input);
+  EXPECT_EQ(result.lines[0].frequency.value.value(), 0);
+  EXPECT_NEAR(result.lines[0].frequency.high, 3.688879 / 20, 1e-6);  // exact Poisson
+  EXPECT_EQ(result.lines[0].rqd_measured, 100);
+  EXPECT_TRUE(std::isnan(result.tensor.values[0]));  // no orientation: no zeros
+  EXPECT_TRUE(error_of(line, "").contains("holds no measurements"));
+  EXPECT_TRUE(
+      error_of("[[orientations]]\nfile = \"t.csv\"\n", "dip,dip_direction\n").contains("holds no measurements"));
+}
+
 }  // namespace
 }  // namespace cleave::scene

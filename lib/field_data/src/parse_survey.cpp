@@ -142,7 +142,9 @@ class SurveyParser final {
     if (!table.has("file")) table.missing("file", "add file = \"line.csv\" with a column distance");
     const auto file = context_.file(table, "file");
     if (!file) return;
-    const auto data = read_survey_table(context_, *file, table.texts("columns").value_or(std::vector<std::string>{}));
+    // A line that meets no joint is data: it says how few there are.
+    const auto data =
+        read_survey_table(context_, *file, table.texts("columns").value_or(std::vector<std::string>{}), true);
     if (!data) return;
     if (!data->column("distance")) {
       context_.problems.error_in(file->shown, 1, "columns", "lacks the column distance", "give metres along the line");

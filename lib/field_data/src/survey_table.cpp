@@ -168,7 +168,7 @@ bool is_preamble(InputContext& context, const LoadedFile& file, std::uint32_t li
 }  // namespace
 
 std::optional<SurveyTable> read_survey_table(InputContext& context, const LoadedFile& file,
-                                             const std::vector<std::string>& columns) {
+                                             const std::vector<std::string>& columns, bool may_be_empty) {
   SurveyTable table;
   const auto add = [&](std::uint32_t line, string_view cell) {
     if (add_column(table, cell)) return true;
@@ -224,7 +224,7 @@ std::optional<SurveyTable> read_survey_table(InputContext& context, const Loaded
     }
     if (!heading) table.rows.push_back({line, std::move(cells)});
   }
-  if (table.rows.empty()) {
+  if (table.rows.empty() && (!may_be_empty || table.columns.empty())) {
     context.problems.error_in(file.shown, 1, "file", "holds no measurements", "add a line for each joint");
     return std::nullopt;
   }

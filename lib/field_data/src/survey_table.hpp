@@ -27,7 +27,8 @@ struct SurveyTable {
 
 /// `columns`: from the survey; empty: the first line is the header. Reports what is wrong.
 [[nodiscard]] std::optional<SurveyTable> read_survey_table(InputContext& context, const LoadedFile& file,
-                                                           const std::vector<std::string>& columns);
+                                                           const std::vector<std::string>& columns,
+                                                           bool may_be_empty = false);
 
 /// A number of a cell; nothing when the cell is empty; reported when it is no number.
 [[nodiscard]] std::optional<double> cell_number(InputContext& context, const LoadedFile& file, const SurveyTable& table,

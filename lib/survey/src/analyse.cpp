@@ -47,7 +47,11 @@ class Analysis final {
       normals_.push_back(joint.normal);
       weights_.push_back(weight_of(joint, in_.weight_cap));
     }
-    if (normals_.empty()) return;
+    if (normals_.empty()) {  // nothing was measured: no zeros
+      out_.tensor.values.fill(NAN);
+      for (auto& interval : out_.tensor_intervals) interval.fill(NAN);
+      return;
+    }
     out_.tensor = orientation_tensor(normals_, weights_);
     out_.tensor_intervals = tensor_intervals(out_.tensor, normals_, weights_, in_.confidence);
   }

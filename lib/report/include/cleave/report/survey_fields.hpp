@@ -185,7 +185,7 @@ void window_fields(V& v, const WindowResult& window) {
     v("nodes_isolated", window.nodes->isolated);
     v("nodes_abutting", window.nodes->abutting);
     v("nodes_crossing", window.nodes->crossing);
-    v("connections_per_trace", window.nodes->connections.value.value_or(0));
+    v("connections_per_trace", or_null(window.nodes->connections.value.value_or(NAN)));
     interval_fields(v, "connections_per_trace", window.nodes->connections);
   }
 }
