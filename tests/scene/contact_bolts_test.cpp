@@ -73,6 +73,28 @@ TEST(ContactBolts, EachKindHoldsWhatHangsOnIt) {
   EXPECT_NEAR(cable.bolts[0].capacity.si(), 2e5, 1e-3);
 }
 
+// A load that comes at once pulls with twice its weight, if steps are short enough to see it.
+TEST(ContactBolts, StepsThatDampASwingAreSaid) {
+  const auto hung = [](const std::string& contact) {
+    return ran("[contact]\nduration = 0.1\nrigid = true\n" + contact +
+               "[[body]]\nname = \"roof\"\nfixed = true\noutline = [[-3, 0], [3, 0], [3, 1], [-3, 1]]\n"
+               "[[body]]\nname = \"b\"\ndensity = 2600\nrectangle = { corner = [-0.5, -1], width = 1, height = 1 }\n"
+               "[[bolt]]\nhead = [0, -1]\ntoe = [0, 0.9]\nplate_capacity = 1e8\nbond_strength = 1e8\n"
+               "tendon_capacity = 42000\n");
+  };
+  const auto said = [](const ContactResult& result) {
+    return std::ranges::count_if(result.notes, [](const std::string& note) { return note.contains("swings on it"); });
+  };
+  const double weight = 2600 * g;
+  const ContactResult coarse = hung("estimate = true\n"), fine = hung("step = 2e-4\nestimate = true\n");
+  EXPECT_EQ(said(coarse), 1);
+  EXPECT_LT(coarse.bolts[0].largest.si(), 1.3 * weight);
+  EXPECT_FALSE(coarse.error);
+  EXPECT_TRUE(coarse.no_estimate.contains("swings with a period of")) << coarse.no_estimate;
+  EXPECT_EQ(said(fine), 0);
+  EXPECT_EQ(fine.bolts[0].state, BoltState::broken);
+}
+
 TEST(ContactBolts, TheyBreakYieldAndPressAsTheirNumbersSay) {
   const double weight = 2600 * g;
   const auto capacity = [](double n) { return "bond_strength = 1e8\ntendon_capacity = " + std::to_string(n) + "\n"; };

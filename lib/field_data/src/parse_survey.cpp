@@ -68,21 +68,23 @@ const KeyTable& map_rectangle_keys() {
 const KeyTable& window_keys() {
   static const KeyTable keys{
       .name = "window",
-      .keys = {{"name", key::text(), "its number", "in the results"},
-               {"traces", key::text(), required,
-                "`.geojson` in a metric projection, `.csv` with x1,y1,x2,y2 or trace,x,y, or FracPaQ's `.txt` with "
-                "`scale`"},
-               {"scale", key::number(scale_rule), "1", "m a unit of the map (a pixel)"},
-               {"area", key::text(), "", "`.geojson` of the window"},
-               {"circle", key::table(&map_circle_keys), "", "`{ centre, radius }`"},
-               {"rectangle", key::table(&map_rectangle_keys), "", "`{ min, max }`"},
-               {"polygon", key::array(key::pair(rule::coordinate), 3), "", "`[[x, y], ...]`"},
-               {"dip", key::number(rule::dip), "0",
-                "degrees, of an inclined face (map x along the strike, y up the slope)"},
-               {"dip_direction", key::number(rule::dip_direction), "0", "degrees, of an inclined face"},
-               {"border", key::number(truncation_rule), "0",
-                "m: ends so near to the window's border count as cut off by it"},
-               {"truncation", key::number(truncation_rule), "0", "m: shorter traces were not mapped"}},
+      .keys =
+          {{"name", key::text(), "its number", "in the results"},
+           {"traces", key::text(), required,
+            "`.geojson` in a metric projection, `.csv` with x1,y1,x2,y2 or trace,x,y, or FracPaQ's `.txt` with "
+            "`scale`"},
+           {"scale", key::number(scale_rule), "1", "m a unit of the map (a pixel)"},
+           {"area", key::text(), "", "`.geojson` of the window"},
+           {"circle", key::table(&map_circle_keys), "", "`{ centre, radius }`"},
+           {"rectangle", key::table(&map_rectangle_keys), "", "`{ min, max }`"},
+           {"polygon", key::array(key::pair(rule::coordinate), 3), "", "`[[x, y], ...]`"},
+           {"dip", key::number(rule::dip), "0",
+            "degrees, of an inclined face (map x along the strike, y up the slope)"},
+           {"dip_direction", key::number(rule::dip_direction), "0", "degrees, of an inclined face"},
+           {"border", key::number(truncation_rule), "0",
+            "m: ends so near to the window's border count as cut off by it; a note says where more lie there than by "
+            "chance, and the distance that takes them"},
+           {"truncation", key::number(truncation_rule), "0", "m: shorter traces were not mapped"}},
       .one_of = {{"area", "circle", "rectangle", "polygon"}}};
   return keys;
 }

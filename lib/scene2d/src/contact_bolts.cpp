@@ -257,4 +257,16 @@ std::vector<dbem::Tie> ties_of(const ContactScene& scene) {
   return out;
 }
 
+std::optional<BoltSwing> fastest_swing(const ContactScene& scene, const dbem::World& world) {
+  const auto inverse_mass = [&](std::size_t body) { return scene.bodies[body].fixed ? 0 : 1 / world.mass(body); };
+  std::optional<BoltSwing> out;
+  for (const dbem::Tie& tie : ties_of(scene)) {
+    const double inverse = inverse_mass(tie.first) + inverse_mass(tie.second);
+    if (!(inverse > 0) || !(tie.stiffness.si() > 0)) continue;
+    const double period = 2 * std::numbers::pi / std::sqrt(tie.stiffness.si() * inverse);
+    if (!out || period < out->period) out = BoltSwing{tie.name, period};
+  }
+  return out;
+}
+
 }  // namespace cleave::scene

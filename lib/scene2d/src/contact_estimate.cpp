@@ -7,6 +7,8 @@
 #include <numbers>
 #include <vector>
 
+#include "contact_parts.hpp"
+
 namespace cleave::scene {
 namespace {
 
@@ -66,6 +68,11 @@ std::string not_followed(const ContactScene& scene, const dbem::World& world) {
       return fmt::format("\"{}\" vibrates with a period of {:.2g} s, which no steps above {:.2g} s follow",
                          scene.bodies[b].name, period, period / steps_a_period);
     }
+  }
+  const std::optional<BoltSwing> swing = fastest_swing(scene, world);
+  if (swing && std::max(scene.settings.step, scene.settings.max_step) * steps_a_period > swing->period) {
+    return fmt::format("what bolt \"{}\" holds swings with a period of {:.2g} s, which no steps above {:.2g} s follow",
+                       swing->bolt, swing->period, swing->period / steps_a_period);
   }
   return "";
 }

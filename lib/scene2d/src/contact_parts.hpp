@@ -1,9 +1,12 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "cleave/bem/outline.hpp"
 #include "cleave/dbem/body.hpp"
+#include "cleave/dbem/world.hpp"
 #include "cleave/scene/table_reader.hpp"
 #include "cleave/scene2d/contact.hpp"
 
@@ -26,6 +29,13 @@ struct BoltBar {
 };
 /// From the head on.
 [[nodiscard]] std::vector<BoltBar> bars_of(const std::vector<ContactBody>& bodies, const ContactBolt& bolt);
+/// What a bolt holds swings on it.
+struct BoltSwing {
+  std::string bolt;
+  double period = 0;  ///< s
+};
+/// The fastest of a scene; empty: no bolt holds a body that is free.
+[[nodiscard]] std::optional<BoltSwing> fastest_swing(const ContactScene& scene, const dbem::World& world);
 /// All of them, bolt by bolt.
 [[nodiscard]] std::vector<dbem::Tie> ties_of(const ContactScene& scene);
 void parse_points(const TableReader& contact, ContactScene& scene);

@@ -173,6 +173,19 @@ std::optional<Problem> begin(Running& run, const std::optional<SavedRun>& from) 
   return too_far(*from, run.scene.shown, "contact.duration", duration, run.world.time());
 }
 
+/// Steps that do not follow what swings on a bolt take away from what a sudden load does to it.
+void note_of_swing(const ContactScene& scene, const dbem::World& world, ContactResult& result) {
+  constexpr double steps_a_swing = 50;
+  const std::optional<BoltSwing> swing = scene.settings.to_rest ? std::nullopt : fastest_swing(scene, world);
+  const double step = std::max(scene.settings.step, scene.settings.max_step);
+  if (!swing || step * steps_a_swing <= swing->period) return;
+  result.notes.push_back(fmt::format(
+      "what bolt \"{}\" holds swings on it with a period of {:.2g} s: steps of {:.2g} s damp that, and a load "
+      "that comes at once pulls with up to twice what it does at rest; use step = {:.1g} to see whether it "
+      "breaks",
+      swing->bolt, swing->period, step, swing->period / 100));
+}
+
 }  // namespace
 
 std::vector<Vec2> corners_at(const ContactResult& result, std::size_t frame, std::size_t body) {
@@ -226,6 +239,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
       result.notes.push_back(fmt::format("{} elastic {} of {} bodies: those alike share one", prepared->operators,
                                          prepared->operators == 1 ? "operator" : "operators", scene.bodies.size()));
     }
+    note_of_swing(scene, *world, result);
     Recorder recorder{scene, *prepared, *world, result};
     Running running{.scene = scene,
                     .world = *world,

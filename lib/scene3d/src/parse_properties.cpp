@@ -132,7 +132,7 @@ Stated parse_one(const TableReader& table) {
       table.note("tension",
                  fmt::format("is above cohesion / tan(friction) = {:.6g} Pa, the apex of the Mohr-Coulomb line",
                              tangent > 0 ? stated.cohesion->mean / tangent : 0.0),
-                 "it is used as given; check it");
+                 "it is used as given, but for blocks in [motion], where it ends at that apex; check it");
     }
   }
   return stated;
