@@ -97,6 +97,21 @@ TEST(UnusualInputs, WhatNoUnitMakesUsualIsSaidToo) {
                   "rock.density: it is taken as it stands: check it"}));
 }
 
+TEST(UnusualInputs, TensionAboveTheApexIsSaid) {
+  const auto with = [](const std::string& strengths) {
+    return texts(joints_and_rock + "[stability]\nfree = [\"top\"]\n" + strengths);
+  };
+  const std::string above = "is above cohesion / tan(friction) = ";
+  EXPECT_EQ(with("[joints.default]\nfriction = 45\ncohesion = 1e4\ntension = 2e4\n"),
+            (Said{"joints.default.tension " + above + "10000 Pa, the apex of the Mohr-Coulomb line"}));
+  // Cohesion that is not given is 0, or that of all sets.
+  EXPECT_EQ(with("[joints.default]\nfriction = 45\ntension = 2e4\n"),
+            (Said{"joints.default.tension " + above + "0 Pa, the apex of the Mohr-Coulomb line"}));
+  const std::string base = "[joints.default]\nfriction = 45\ncohesion = 1e4\n[joints.A]\ntension = ";
+  EXPECT_EQ(with(base + "2e4\n"), (Said{"joints.A.tension " + above + "10000 Pa, the apex of the Mohr-Coulomb line"}));
+  EXPECT_EQ(with(base + "5e3\n"), Said{});
+}
+
 TEST(UnusualInputs, ColumnsOfStrengthAreLookedAt) {
   const auto of = [](const std::string& table) {
     return texts("[[joint]]\nfile = \"j.csv\"\n[rock]\ndensity = 2700\n" + strength + "[stability]\nfree = [\"top\"]\n",

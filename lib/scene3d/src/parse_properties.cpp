@@ -126,15 +126,6 @@ Stated parse_one(const TableReader& table) {
   if (stated.jrc && stated.cohesion && !(constant(stated.cohesion) && stated.cohesion->mean == 0)) {
     table.error("cohesion", "has no meaning beside jrc and jcs", "remove one of them");
   }
-  if (constant(stated.friction) && constant(stated.cohesion) && constant(stated.tension)) {
-    const double tangent = std::tan(FrictionAngle::degrees(stated.friction->mean).radians());
-    if (stated.tension->mean * tangent > stated.cohesion->mean) {
-      table.note("tension",
-                 fmt::format("is above cohesion / tan(friction) = {:.6g} Pa, the apex of the Mohr-Coulomb line",
-                             tangent > 0 ? stated.cohesion->mean / tangent : 0.0),
-                 "it is used as given, but for blocks in [motion], where it ends at that apex; check it");
-    }
-  }
   return stated;
 }
 
@@ -153,6 +144,21 @@ JointProperties with(JointProperties base, const Stated& stated) {
     base.cohesion = StressLaw{};
   }
   return base;
+}
+
+/// Tension that no point of the Mohr-Coulomb line has. Each number stands for a joint that is strong in pull and has
+/// nothing along itself.
+void note_apex(Context& context, std::string_view name, std::uint32_t line, const JointProperties& of) {
+  constexpr auto constant = FrictionLaw::Kind::constant;
+  if (of.jrc > 0 || of.friction.kind != constant || of.cohesion.kind != constant || of.tension.kind != constant) return;
+  const double tangent = std::tan(FrictionAngle::degrees(of.friction.mean).radians());
+  if (!(of.tension.mean * tangent > of.cohesion.mean)) return;
+  context.problems.note(
+      line, fmt::format("joints.{}.tension", name),
+      fmt::format("is above cohesion / tan(friction) = {:.6g} Pa, the apex of the Mohr-Coulomb line",
+                  tangent > 0 ? of.cohesion.mean / tangent : 0.0),
+      "it is used as given, and factors of single blocks that lift or fall count it whatever the joint "
+      "bears along itself; blocks in [motion] have it up to that apex alone. Check it");
 }
 
 }  // namespace
@@ -223,7 +229,12 @@ std::optional<NumberLaw> parse_number_law(const TableReader& owner, string_view 
 void parse_properties(Context& context, const TableReader& root) {
   const TomlTable* found = root.table("joints");
   if (found == nullptr) return;
-  std::vector<std::pair<std::string, Stated>> stated;
+  struct OfSet {
+    std::string name;
+    Stated properties;
+    std::uint32_t line, tension_line;
+  };
+  std::vector<OfSet> stated;
   for (const TomlEntry& entry : found->entries) {
     const std::string path = "joints." + entry.key;
     const auto* table = std::get_if<TomlTable>(&entry.node.value);
@@ -234,18 +245,22 @@ void parse_properties(Context& context, const TableReader& root) {
                              property ? "put it under [joints.default]" : "write [joints.NAME] with the name of a set");
       continue;
     }
-    stated.emplace_back(entry.key, parse_one(TableReader{*table, entry.line, path, context.problems, strength_keys()}));
+    const TableReader reader{*table, entry.line, path, context.problems, strength_keys()};
+    stated.push_back({entry.key, parse_one(reader), entry.line, reader.line_of("tension")});
   }
   JointProperties base;
-  for (const auto& [name, properties] : stated) {
+  for (const auto& [name, properties, line, tension_line] : stated) {
     if (name == "default") base = with(base, properties);
+  }
+  for (const auto& [name, properties, line, tension_line] : stated) {
+    if (properties.tension) note_apex(context, name, tension_line, name == "default" ? base : with(base, properties));
   }
   std::vector<string_view> names;
   for (const SetId id : context.sets.ids()) {
     context.sets[id].properties = base;
     names.emplace_back(context.sets[id].name);
   }
-  for (const auto& [name, properties] : stated) {
+  for (const auto& [name, properties, line, tension_line] : stated) {
     if (name == "default") continue;
     bool used = false;
     for (const SetId id : context.sets.ids()) {
@@ -255,8 +270,7 @@ void parse_properties(Context& context, const TableReader& root) {
     }
     if (used || context.problems.errors() != 0) continue;  // its joints may be among what is wrong
     const auto guess = nearest(name, names);
-    const auto entry = std::ranges::find(found->entries, name, &TomlEntry::key);
-    context.problems.error(entry->line, "joints." + name, "no joint belongs to this set",
+    context.problems.error(line, "joints." + name, "no joint belongs to this set",
                            guess ? fmt::format("did you mean \"{}\"?", *guess) : "remove it, or name a set so");
   }
 }
