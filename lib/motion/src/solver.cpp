@@ -202,14 +202,16 @@ class Cascade {
 
   /// Groups in which proximal points take hundreds of factors for one convex programme.
   [[nodiscard]] bool is_large() const { return group_.mass.size() > 40; }
+  /// Interior points for them: quick, but right in the speeds of heavy bodies only.
+  [[nodiscard]] bool by_points() const { return is_large() && !exact_; }
 
   /// Whether Newton's iteration may go on from an answer with this residual: in large groups it gets lost from far.
-  [[nodiscard]] bool is_near(double residual) const { return !is_large() || residual < 0.5; }
+  [[nodiscard]] bool is_near(double residual) const { return !by_points() || residual < 0.5; }
 
   /// The slip given, the rest is one convex programme. Interior points solve it in some 25 factors however many points
   /// there are; where they do not, and in small groups, proximal points from `x`. Returns what velocities may be off.
   double cone(const Programme& programme, Unknowns& x, const Newton::Schedule& schedule, double goal) {
-    if (is_large()) {
+    if (by_points()) {
       Unknowns inner = none();
       const double left =
           interior_.solve(inner, {.weight = 1e-9, .goal = goal, .coupled = false, .given = programme.given});
@@ -224,7 +226,7 @@ class Cascade {
   /// Forces without friction.
   Unknowns smooth(double finest) {
     Unknowns x = none();
-    if (is_large()) {
+    if (by_points()) {
       std::vector<double> friction;
       for (auto& e : scaled_.elements) friction.push_back(std::exchange(e.mu, 0));
       const std::vector<double> still(x.size(), 0);
@@ -294,6 +296,13 @@ class Cascade {
     const bool first = options_.locking && is_large();
     if (!done() && first) by_interior();
     if (!done()) by_slip(From::frictionless, 1e-5, 4);
+    if (by_points()) {
+      exact_ = true;
+      if (!done()) {
+        budget_ = factors() + options_.patience;
+        by_slip(From::frictionless, 1e-5, 4);
+      }
+    }
     if (!done() && !options_.locking) by_slip(From::frictionless, 1e-8, 8);
     if (!done() && options_.locking && !first) by_interior();
     if (!done() && !spent() && options_.locking) by_slip(From::rest, 1e-5, 4);
@@ -345,6 +354,7 @@ class Cascade {
   /// friction followed up from none, ends in no other one that keeps more of the motion.
   void prefer_motion() {
     if (!somebody_stands()) return;
+    exact_ = false;
     Unknowns free = smooth(1e-8);
     // Interior points leave some rounding of their own: what is near is looked at with the last digits.
     if (is_large() && motion_of(velocities_of(free)) <= motion_of(best_.velocity) + 1e-4) {
@@ -357,6 +367,11 @@ class Cascade {
     tried_ = false;
     budget_ = factors() + options_.patience;
     by_rising_friction(std::move(free));
+    if (!done() && by_points()) {
+      exact_ = true;
+      budget_ = factors() + options_.patience;
+      by_rising_friction(smooth(1e-8));
+    }
     const bool found = done();
     // A rough answer that moves counts for more than one that stands: what stands by it would be safe by mistake.
     const double gained = motion_of(best_.velocity) - motion_of(standing.velocity);
@@ -380,7 +395,7 @@ class Cascade {
       for (std::size_t e = 0; e < friction.size(); ++e) scaled_.elements[e].mu = k / shares * friction[e];
       const bool last = k >= shares;
       Progress progress;
-      for (int round = 0; round < (last ? 60 : is_large() ? 2 : 6) && !spent(); ++round) {
+      for (int round = 0; round < (last ? 60 : by_points() ? 2 : 6) && !spent(); ++round) {
         const double hidden =
             cone(programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = 4, .finest = 1e-5},
                  last ? 1e-8 : 1e-6);
@@ -410,6 +425,7 @@ class Cascade {
   Interior interior_;
   Solution best_;
   bool tried_ = false;
+  bool exact_ = false;  ///< no interior points for one programme: they did not lead to an answer
   std::size_t budget_ = options_.patience;
 };
 
