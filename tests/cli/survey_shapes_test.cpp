@@ -45,7 +45,7 @@ TEST_F(SurveyShapesTest, SizesOfEllipsesAndRectanglesFollowFromTheirChords) {
   EXPECT_NEAR(discs["size"]["mean"], 2, 0.5);
   EXPECT_LT(discs["size"]["mean_low"], discs["size"]["mean"]);
   EXPECT_GT(discs["size"]["mean_high"], discs["size"]["mean"]);
-  EXPECT_EQ(discs["sizes"].size(), 4U);  // exponential, lognormal, gamma, power
+  EXPECT_EQ(discs["sizes"].size(), 5U);  // exponential, lognormal, gamma, power, constant
   // Long axis along the strike: the traces run along it, chords are those of a disc of that size.
   const json along = survey(map_with("shape = \"ellipse\"\naspect = 3\n"))["sets"][0];
   EXPECT_NEAR(along["size"]["mean"], discs["size"]["mean"], 1e-6);
