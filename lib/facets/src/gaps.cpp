@@ -143,6 +143,12 @@ void GapFinder::look(Index i, Index j, Gaps& found) const {
   const auto outside = [&](Vec3 p) {
     return std::ranges::any_of(prepared_.clip, [&](const HalfSpace& side) { return height(side, p) < -touching; });
   };
+  // Nor behind the face of a solid: what ends there has reached it.
+  const auto has_reached = [&](const Facet& face, Vec3 p) {
+    if (face.owner != Owner::excavation && face.owner != Owner::domain) return false;
+    const bool rock_is_positive = face.outward_positive == (face.owner == Owner::excavation);
+    return height({face.plane, rock_is_positive}, p) < -touching;
+  };
   std::uint64_t sides = 0;
   Nearest nearest;
   const auto look_from = [&](const Outline& from, const Facet& its, const Outline& to, const Facet& beyond) {
@@ -153,6 +159,7 @@ void GapFinder::look(Index i, Index j, Gaps& found) const {
       const Nearest own_nearest = to_outline(p, q, to);
       if (own_nearest.distance > limit_) continue;
       if (!there(beyond, own_nearest.on_second) || outside(own_nearest.on_first)) continue;
+      if (has_reached(beyond, own_nearest.on_first)) continue;
       if (own_nearest.distance < nearest.distance) nearest = own_nearest;
       any = true;
       // A side that only starts near is not the one that misses.

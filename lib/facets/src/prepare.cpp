@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "cleave/core/overloaded.hpp"
+#include "cleave/geometry/tunnel.hpp"
 #include "detail/input_check.hpp"
 #include "detail/preparation.hpp"
 #include "detail/solids.hpp"
@@ -100,10 +101,14 @@ Preparation::Done Preparation::add_solid(const geometry::Solid& solid, Owner own
     for (std::size_t i = 0; i < count && !solid.from_half_spaces(); ++i) {
       shared_.add_surface_side(sites[face.corners[i]], sites[face.corners[(i + 1) % count]]);
     }
-    if (!snapper_.active()) continue;
+    const bool clips = owner == Owner::domain && !out_.clip.empty();
+    if (!snapper_.active() && clips) continue;
     std::vector<LatticePoint> corners;
     for (const std::uint32_t v : face.corners) corners.push_back(sites[v]);
-    if (auto polygon = make_lattice_polygon(std::move(corners))) snapper_.remember(*polygon);
+    const auto polygon = make_lattice_polygon(std::move(corners));
+    if (!polygon) continue;
+    if (snapper_.active()) snapper_.remember(*polygon);
+    if (!clips) surfaces_.add(*polygon, owner == Owner::domain);
   }
   return {};
 }
@@ -121,6 +126,7 @@ Preparation::Done Preparation::add_solids() {
     return std::ranges::count(out_.planes[side.plane].normal(), exact::Int128{0}) == 2;
   });
   if (touch_) builder_.adoption_margin_ += 2000 * touch_->reach() / lattice_.pitch() * lattice_unit;
+  surfaces_.finish(std::max(roundings(), 2 * geometry::opening_quantum.si() / lattice_.pitch()));
   return {};
 }
 
@@ -181,6 +187,26 @@ void Preparation::touch_domain() {
     }
   }
   moves.finish();
+  move(moves);
+}
+
+void Preparation::touch_surfaces() {
+  for (std::size_t k = 0; k < polygons_.size(); ++k) {
+    const JointPolygon& entry = polygons_[k];
+    if (beside_[k] != 0 || !surfaces_.near(entry.corners)) continue;
+    const auto polygon = make_lattice_polygon(entry.corners, shared_.among(entry.corners));
+    if (polygon) surfaces_.look(*polygon);
+  }
+  const Moves moves = surfaces_.beyond();
+  if (moves.empty()) return;
+  for (JointPolygon& entry : polygons_) {
+    for (const LatticePoint c : entry.corners) {
+      if (moves(c) == c) continue;
+      beyond_.push_back(moves(c));
+      entry.moved = true;
+    }
+  }
+  std::ranges::sort(beyond_);
   move(moves);
 }
 

@@ -17,6 +17,7 @@
 #include "detail/joint_polygon.hpp"
 #include "detail/shared_corners.hpp"
 #include "detail/snapping.hpp"
+#include "detail/surface_touch.hpp"
 
 namespace cleave::topology::detail {
 
@@ -46,6 +47,7 @@ class Preparation {
     CLEAVE_CHECK(add_persistent());
     CLEAVE_CHECK(collect_polygons());
     touch_domain();
+    touch_surfaces();
     CLEAVE_CHECK(make_polygons());
     if (snapper_.active()) snap_planes();
     unite_sheets();
@@ -130,6 +132,8 @@ class Preparation {
   void part_overlaps();
   void move(const Moves& moves);
   void touch_domain();
+  void touch_surfaces();
+  [[nodiscard]] std::vector<std::size_t> fixing(const JointPolygon& entry) const;
   Done make_polygons();
   Done make_polygon(std::size_t k);
   void set_fold(JointPolygon& entry) const;
@@ -137,6 +141,7 @@ class Preparation {
   bool rim_shared(const JointPolygon& entry) const;
   void snap_planes();
   void unite_sheets();
+  std::vector<std::optional<HalfSpace>> adopted_sides(std::size_t k);
   Done add_polygons();
   std::optional<Plane> behind(Index joint, LatticePoint middle) const;
   Done terminate();
@@ -148,6 +153,8 @@ class Preparation {
   Snapper snapper_;
   FacetBuilder builder_;
   std::optional<DomainTouch> touch_;
+  SurfaceTouch surfaces_;             ///< of excavations, and of a domain that is not convex
+  std::vector<LatticePoint> beyond_;  ///< corners that were moved beyond these, sorted
   SharedCorners shared_;
   std::vector<JointPolygon> polygons_;
   std::vector<std::uint8_t> beside_;          ///< polygons that miss the window, or that snap has left nothing of
