@@ -197,7 +197,42 @@ void Preparation::touch_surfaces() {
     const auto polygon = make_lattice_polygon(entry.corners, shared_.among(entry.corners));
     if (polygon) surfaces_.look(*polygon);
   }
-  const Moves moves = surfaces_.beyond();
+  move_beyond(surfaces_);
+}
+
+/// What ends on another joint, from the side on which it lies.
+void Preparation::touch_joints() {
+  if (endings_.empty()) return;
+  SurfaceTouch others;
+  const auto for_each_polygon = [&](Index joint, const auto& visit) {
+    for (const JointPolygon& entry : std::ranges::equal_range(polygons_, joint, {}, &JointPolygon::joint)) {
+      if (const auto polygon = make_lattice_polygon(entry.corners, shared_.among(entry.corners))) visit(*polygon);
+    }
+  };
+  std::vector<Index> on;
+  for (const Ending& ending : endings_) on.push_back(ending.other);
+  std::ranges::sort(on);
+  const auto again = std::ranges::unique(on);
+  on.erase(again.begin(), again.end());
+  for (const Index other : on) {
+    for_each_polygon(other, [&](const LatticePolygon& polygon) { others.add(polygon, other); });
+    if (const auto plane = builder_.plane_of_joint(other)) others.add(out_.planes[*plane], other);
+  }
+  others.finish(roundings());
+  for (std::size_t first = 0, last = 0; first < endings_.size(); first = last) {
+    const Index joint = endings_[first].joint;
+    on.clear();
+    for (; last < endings_.size() && endings_[last].joint == joint; ++last) {
+      if (endings_[last].other != joint) on.push_back(endings_[last].other);
+    }
+    if (on.empty()) continue;
+    for_each_polygon(joint, [&](const LatticePolygon& polygon) { others.look(polygon, on, shared_); });
+  }
+  move_beyond(others);
+}
+
+void Preparation::move_beyond(SurfaceTouch& surfaces) {
+  const Moves moves = surfaces.beyond();
   if (moves.empty()) return;
   for (JointPolygon& entry : polygons_) {
     for (const LatticePoint c : entry.corners) {
@@ -250,9 +285,9 @@ bool HeldCorners::common(std::initializer_list<Index> planes, int count) const {
   return false;
 }
 
-std::expected<Prepared, CutError> prepare(const CutInput& input) {
+std::expected<Prepared, CutError> prepare(const CutInput& input, std::span<const Ending> endings) {
   CLEAVE_CHECK(check_input(input));
-  return Preparation{input}.run();
+  return Preparation{input, endings}.run();
 }
 
 }  // namespace cleave::topology::detail

@@ -193,7 +193,7 @@ class Tracer {
     Signs signs;
     Gaps gaps;
   };
-  [[nodiscard]] Result result() && { return {std::move(found_), signs_, found_gaps_}; }
+  [[nodiscard]] Result result() && { return {std::move(found_), signs_, std::move(found_gaps_)}; }
 
  private:
   static constexpr HalfSpace nowhere{none, true};
@@ -232,7 +232,10 @@ class Tracer {
       const bool lower = stays_short(side.lower()), upper = stays_short(side.upper());
       if (!lower && !upper) continue;
       const double gap = std::max({lower ? std::abs(from) : 0, upper ? std::abs(to) : 0, 0x1p-50});
-      found_gaps_.add({1, gap, std::min(number, other), std::max(number, other)});
+      found_gaps_.add({1, gap, std::min(number, other), std::max(number, other), {}});
+      if (prepared_.facets[other].owner == Owner::joint && gap <= prepared_.roundings * 0x1p-48) {
+        found_gaps_.endings.push_back({f.owner_index, prepared_.facets[other].owner_index});
+      }
     }
   }
   void add(Index p, Index q, const Clipper& clipper, Interval interval) {

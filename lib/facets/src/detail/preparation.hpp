@@ -29,8 +29,9 @@ using geometry::Vec3;
 /// Phase 1, step by step.
 class Preparation {
  public:
-  explicit Preparation(const CutInput& input)
+  Preparation(const CutInput& input, std::span<const Ending> endings)
       : input_{input},
+        endings_{endings},
         domain_{bounds_of(input.domain.vertices())},
         lattice_{covering()},
         out_{lattice_},
@@ -48,12 +49,14 @@ class Preparation {
     CLEAVE_CHECK(collect_polygons());
     touch_domain();
     touch_surfaces();
+    touch_joints();
     CLEAVE_CHECK(make_polygons());
     if (snapper_.active()) snap_planes();
     unite_sheets();
     CLEAVE_CHECK(add_polygons());
     CLEAVE_CHECK(terminate());
     builder_.finish();
+    out_.roundings = roundings();
     out_.keep_dangling = input_.keep_dangling;
     out_.largest_snap = metres(snapper_.largest_move());
     out_.coarse_snap = snapper_.coarse();
@@ -133,6 +136,8 @@ class Preparation {
   void move(const Moves& moves);
   void touch_domain();
   void touch_surfaces();
+  void touch_joints();
+  void move_beyond(SurfaceTouch& surfaces);
   [[nodiscard]] std::vector<std::size_t> fixing(const JointPolygon& entry) const;
   Done make_polygons();
   Done make_polygon(std::size_t k);
@@ -147,6 +152,7 @@ class Preparation {
   Done terminate();
 
   const CutInput& input_;
+  std::span<const Ending> endings_;
   Bounds domain_;
   exact::Lattice lattice_;
   Prepared out_;
