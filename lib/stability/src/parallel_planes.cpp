@@ -67,10 +67,33 @@ class Grid final {
   std::unordered_map<Cell, std::vector<Tilted>, CellHash> planes_;
 };
 
+Tilted tilted(const topology::BlockComplex& complex, PlaneId id, double by) {
+  const auto n = complex.planes()[id].unit_normal();
+  return {id, {n[0], n[1], n[2]}, by};
+}
+
+/// Whether any two are about parallel and not exactly so.
+bool any_about_parallel(const topology::BlockComplex& complex) {
+  Grid grid;
+  for (std::uint32_t p = 0; p < complex.planes().size(); ++p) {
+    const Tilted plane = tilted(complex, PlaneId{p}, largest_turn);
+    const Tilted* other = grid.like(plane);
+    if (other == nullptr) {
+      grid.put(plane);
+    } else if (!(plane.normal == other->normal) && !(plane.normal == -other->normal)) {
+      return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 IdVector<PlaneId, PlaneId> parallel_planes(const topology::BlockComplex& complex) {
   constexpr double roundings = 16;
+  IdVector<PlaneId, PlaneId> like(complex.planes().size(), PlaneId{0U});
+  for (std::uint32_t p = 0; p < like.size(); ++p) like[PlaneId{p}] = PlaneId{p};
+  if (!any_about_parallel(complex)) return like;
   IdVector<PlaneId, double> widest(complex.planes().size(), 0);
   double farthest = 0;
   for (std::size_t f = 0; f < complex.faces().size(); ++f) {
@@ -82,13 +105,9 @@ IdVector<PlaneId, PlaneId> parallel_planes(const topology::BlockComplex& complex
   for (const topology::Block& block : complex.blocks()) farthest = std::max(farthest, geometry::norm(block.centroid));
   const double off = roundings * (complex.report().lattice_pitch_m + farthest * 0x1p-52);
   std::vector<Tilted> planes;
-  IdVector<PlaneId, PlaneId> like(complex.planes().size(), PlaneId{0U});
   for (std::uint32_t p = 0; p < like.size(); ++p) {
-    const PlaneId id{p};
-    like[id] = id;
-    if (!(widest[id] > 0)) continue;
-    const auto n = complex.planes()[id].unit_normal();
-    planes.push_back({id, {n[0], n[1], n[2]}, std::min(largest_turn, off / std::sqrt(widest[id]))});
+    const double area = widest[PlaneId{p}];
+    if (area > 0) planes.push_back(tilted(complex, PlaneId{p}, std::min(largest_turn, off / std::sqrt(area))));
   }
   // The largest stand for the others.
   std::ranges::stable_sort(planes, {}, &Tilted::by);
