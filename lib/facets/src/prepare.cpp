@@ -5,6 +5,7 @@
 
 #include "cleave/core/overloaded.hpp"
 #include "cleave/geometry/tunnel.hpp"
+#include "detail/as_vec3.hpp"
 #include "detail/input_check.hpp"
 #include "detail/preparation.hpp"
 #include "detail/solids.hpp"
@@ -238,6 +239,7 @@ void Preparation::move_beyond(SurfaceTouch& surfaces) {
     for (const LatticePoint c : entry.corners) {
       if (moves(c) == c) continue;
       beyond_.push_back(moves(c));
+      farthest_move_ = std::max(farthest_move_, distance(c, moves(c)) * lattice_.pitch());
       entry.moved = true;
     }
   }

@@ -14,7 +14,7 @@ using geometry::Vec3;
 
 namespace {
 
-constexpr double least_sine = 1e-3;  // of an angle: what lies along a face does not end on it
+constexpr double least_sine = 1e-3;  // of an angle: what lies along faces alone does not end on them
 
 Vec3 normal_of(const Plane& plane) {
   const auto n = plane.unit_normal();
@@ -111,7 +111,8 @@ std::vector<std::uint32_t> SurfaceTouch::near(const LatticePolygon& polygon, std
   tree_->overlapping(box_of(polygon.corners, 1), [&](std::uint32_t triangle) {
     const Face& face = faces_[triangles_[triangle].face];
     if (!joints.empty() && !std::ranges::binary_search(joints, face.joint)) return;
-    if (geometry::norm(cross(normal, face.normal)) >= least_sine) found.push_back(triangle);
+    const bool along = geometry::norm(cross(normal, face.normal)) < least_sine;
+    if (face.joint == none || !along) found.push_back(triangle);
   });
   return found;
 }
@@ -132,10 +133,11 @@ void SurfaceTouch::look(const LatticePolygon& polygon, std::span<const Index> jo
     const LatticePoint a = polygon.corners[i], b = polygon.corners[(i + 1) % count];
     if (shared != nullptr && shared->shared(a, b)) continue;
     const Vec3 from = as_vec3(a), to = as_vec3(b);
-    bool exact = polygon.exactly_planar;
+    bool exact = polygon.exactly_planar, ends = false;
     const std::size_t before = touching_.size();
     const auto touches = [&](std::uint32_t number) {
       const Face& face = faces_[number];
+      ends = ends || geometry::norm(cross(normal, face.normal)) >= least_sine;
       exact = exact && face.plane.side_of(a) == Sign::zero && face.plane.side_of(b) == Sign::zero;
       const bool against = face.joint != none && dot(face.normal, middle) > face.offset;
       touching_.push_back({a, number, against});
@@ -149,7 +151,8 @@ void SurfaceTouch::look(const LatticePolygon& polygon, std::span<const Index> jo
       const bool along = geometry::norm(cross(normal, faces_[face].normal)) < least_sine;
       if (!along && in_plane(faces_[face], from, to)) touches(face);
     }
-    if (exact) touching_.resize(before, {{}, 0, false});  // it reaches them as it is
+    // It reaches them as it is, or lies along them.
+    if (exact || !ends) touching_.resize(before, {{}, 0, false});
   }
 }
 

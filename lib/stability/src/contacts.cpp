@@ -15,6 +15,7 @@ Model::Model(const topology::BlockComplex& complex, const Settings& settings)
       settings_{&settings},
       removed_in_(complex.blocks().size(), stays),
       parallel_{parallel_planes(complex)},
+      rounding_{rounding_of_corners(complex)},
       directions_(complex.planes().size(), std::nullopt),
       on_surfaces_{surface_forces(complex, settings.actions)} {
   for (const topology::BlockId id : settings.left_out) removed_in_[id] = 0;
@@ -37,7 +38,7 @@ Direction Model::inward(const topology::Face& face) {
   auto& known = directions_[face.plane];
   if (!known) {
     const auto& planes = complex_->planes();
-    known = Direction::normal_of(planes[parallel_[face.plane]]);
+    known = Direction::normal_of(planes[parallel_[face.plane]]).turned_by(turn_by(rounding_, face.area));
     const auto own = planes[face.plane].unit_normal();
     if (dot(known->unit(), Vec3{own[0], own[1], own[2]}) < 0) known = known->opposite();
   }

@@ -92,6 +92,7 @@ class Model final {
   const Settings* settings_;
   IdVector<topology::BlockId, std::uint32_t> removed_in_;
   IdVector<topology::PlaneId, topology::PlaneId> parallel_;
+  Length rounding_;  ///< of corners
   IdVector<topology::PlaneId, std::optional<Direction>> directions_;
   IdVector<topology::BlockId, ForceSum> on_surfaces_;  ///< empty when there are none
   std::vector<Direction> rows_;                        ///< of the last `held`

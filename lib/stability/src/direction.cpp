@@ -72,7 +72,15 @@ std::optional<Direction> Direction::make(const Components& components) noexcept 
   return reduced(components);
 }
 
-Direction Direction::opposite() const noexcept { return {{-components_[0], -components_[1], -components_[2]}, -unit_}; }
+Direction Direction::opposite() const noexcept {
+  return Direction{{-components_[0], -components_[1], -components_[2]}, -unit_}.turned_by(rounding_);
+}
+
+Direction Direction::turned_by(double rounding) const noexcept {
+  Direction turned = *this;
+  turned.rounding_ = rounding;
+  return turned;
+}
 
 bool Direction::opposite_to(const Direction& other) const noexcept {
   return components_[0] == -other.components_[0] && components_[1] == -other.components_[1] &&
@@ -83,6 +91,12 @@ Sign orientation(const Direction& a, const Direction& b, const Direction& c) noe
   // Each of the six products carries 15 u of its three factors (u = 2^-53) and 5 u of the operations; the sum of their
   // absolute values is at most the product of the rows' 1-norms, 3 sqrt 3. 20 * 5.2 u < 2^-46.
   const double value = geometry::dot(geometry::cross(a.unit(), b.unit()), c.unit());
+  if (std::abs(value) <= a.rounding() + b.rounding() + c.rounding()) {
+    const double reach = a.rounding() * geometry::norm(geometry::cross(b.unit(), c.unit())) +
+                         b.rounding() * geometry::norm(geometry::cross(a.unit(), c.unit())) +
+                         c.rounding() * geometry::norm(geometry::cross(a.unit(), b.unit()));
+    if (std::abs(value) < reach) return Sign::zero;
+  }
   if (std::abs(value) > 0x1p-46) return value > 0 ? Sign::positive : Sign::negative;
   if (bits(a.components()) + bits(b.components()) + bits(c.components()) + 3 < 127) {
     return exact_orientation<Int128>(a, b, c);

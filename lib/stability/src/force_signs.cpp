@@ -62,6 +62,7 @@ ForceSigns::ForceSigns(const Resultant& resultant)
   // A direction given exactly is its own measure; else rounding is relative to the sum of what was added.
   const double scale = exact_ ? geometry::norm(r) : std::max(resultant.scale(), geometry::norm(r));
   scaled_ = r / scale;
+  length_ = geometry::norm(scaled_);
 }
 
 const std::array<Int128, 3>& ForceSigns::integer() {

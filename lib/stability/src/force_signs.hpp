@@ -11,8 +11,9 @@
 
 namespace cleave::stability {
 
-/// Signs of expressions linear in the resultant r: double first, with a proven bound; then integers. Normals are exact;
-/// r is exact, or known to a rounding error: then a sign that this error could turn is zero, and `tie` remembers it.
+/// Signs of expressions linear in the resultant r: double first, with a proven bound; then integers. Normals are exact,
+/// or turned by roundings: signs that these could turn are zero. r is exact, or known to a rounding error: then a sign
+/// that this error could turn is zero, and `tie` remembers it.
 class ForceSigns final {
  public:
   /// `resultant` must not be zero.
@@ -21,6 +22,7 @@ class ForceSigns final {
   /// n.r
   [[nodiscard]] exact::Sign along(const Direction& n) {
     const double value = along_in_double(n);
+    if (std::abs(value) < n.rounding() * length_) return exact::Sign::zero;
     return std::abs(value) > bound_ ? sign(value) : along_exactly(n);
   }
   /// n.r over the length of r, rounded: for `reaction` of many pairs.
@@ -32,6 +34,7 @@ class ForceSigns final {
   }
   [[nodiscard]] exact::Sign reaction(const Direction& i, const Direction& j, double along_i, double along_j) {
     const double value = geometry::dot(i.unit(), j.unit()) * along_j - along_i;
+    if (std::abs(value) < (i.rounding() + 2 * j.rounding()) * length_) return exact::Sign::zero;
     return std::abs(value) > bound_ ? sign(value) : reaction_exactly(i, j);
   }
   /// (i x j).r
@@ -61,6 +64,7 @@ class ForceSigns final {
 
   geometry::Vec3 direction_;  ///< r
   geometry::Vec3 scaled_;     ///< r / scale
+  double length_;             ///< of that
   bool exact_;
   double bound_;  ///< above it the sign of a double is that of the expression
   bool tie_ = false;

@@ -89,25 +89,35 @@ bool any_about_parallel(const topology::BlockComplex& complex) {
 
 }  // namespace
 
-IdVector<PlaneId, PlaneId> parallel_planes(const topology::BlockComplex& complex) {
+Length rounding_of_corners(const topology::BlockComplex& complex) {
   constexpr double roundings = 16;
+  double farthest = 0;
+  for (const topology::Block& block : complex.blocks()) farthest = std::max(farthest, geometry::norm(block.centroid));
+  const topology::CutReport& report = complex.report();
+  // Moves of two corners, to one side and to the other, at both ends.
+  return metres(std::max(roundings * (report.lattice_pitch_m + farthest * 0x1p-52), 4 * report.largest_snap_m));
+}
+
+double turn_by(Length rounding, Area face) {
+  return face.si() > 0 ? std::min(largest_turn, rounding.si() / std::sqrt(face.si())) : largest_turn;
+}
+
+IdVector<PlaneId, PlaneId> parallel_planes(const topology::BlockComplex& complex) {
   IdVector<PlaneId, PlaneId> like(complex.planes().size(), PlaneId{0U});
   for (std::uint32_t p = 0; p < like.size(); ++p) like[PlaneId{p}] = PlaneId{p};
   if (!any_about_parallel(complex)) return like;
-  IdVector<PlaneId, double> widest(complex.planes().size(), 0);
-  double farthest = 0;
+  IdVector<PlaneId, Area> widest(complex.planes().size(), Area{});
   for (std::size_t f = 0; f < complex.faces().size(); ++f) {
     const topology::Face& face = complex.faces()[topology::FaceId{f}];
     if (face.role == topology::Role::free) continue;
-    double& area = widest[face.plane];
-    area = std::max(area, face.area.si());
+    Area& area = widest[face.plane];
+    area = std::max(area, face.area);
   }
-  for (const topology::Block& block : complex.blocks()) farthest = std::max(farthest, geometry::norm(block.centroid));
-  const double off = roundings * (complex.report().lattice_pitch_m + farthest * 0x1p-52);
+  const Length rounding = rounding_of_corners(complex);
   std::vector<Tilted> planes;
   for (std::uint32_t p = 0; p < like.size(); ++p) {
-    const double area = widest[PlaneId{p}];
-    if (area > 0) planes.push_back(tilted(complex, PlaneId{p}, std::min(largest_turn, off / std::sqrt(area))));
+    const Area area = widest[PlaneId{p}];
+    if (area > Area{}) planes.push_back(tilted(complex, PlaneId{p}, turn_by(rounding, area)));
   }
   // The largest stand for the others.
   std::ranges::stable_sort(planes, {}, &Tilted::by);

@@ -58,7 +58,7 @@ class Preparation {
     builder_.finish();
     out_.roundings = roundings();
     out_.keep_dangling = input_.keep_dangling;
-    out_.largest_snap = metres(snapper_.largest_move());
+    out_.largest_snap = metres(std::max(snapper_.largest_move(), farthest_move_));
     out_.coarse_snap = snapper_.coarse();
     out_.merged_planes = snapper_.merged_planes();
     out_.adopted_edges = snapper_.adopted_edges();
@@ -166,6 +166,7 @@ class Preparation {
   std::vector<std::uint8_t> beside_;          ///< polygons that miss the window, or that snap has left nothing of
   std::vector<std::optional<Plane>> sheets_;  ///< of folded polygons and their neighbours: what stands for all pieces
   double farthest_ = 0;                       ///< coordinate of the domain, m
+  double farthest_move_ = 0;                  ///< of a corner beyond what it was drawn to end on, m
   bool boxed_ = false;                        ///< the domain is a box with its sides along the axes
   const LatticePolygon blank_{Plane::spanned({}, {1, 0, 0}, {0, 1, 0}).value(), {}, {}, true, true};
 };

@@ -34,6 +34,10 @@ class Direction final {
   [[nodiscard]] static std::optional<Direction> make(const Components& components) noexcept;
 
   [[nodiscard]] Direction opposite() const noexcept;
+  /// The same, of a normal that the roundings of its corners may have turned by so much, rad: signs that this could
+  /// turn are zero. Else all signs are exact.
+  [[nodiscard]] Direction turned_by(double rounding) const noexcept;
+  [[nodiscard]] double rounding() const noexcept { return rounding_; }
   [[nodiscard]] const Components& components() const noexcept { return components_; }
   /// Unit vector; each component within 5 * 2^-53 of its value, relative.
   [[nodiscard]] geometry::Vec3 unit() const noexcept { return unit_; }
@@ -46,9 +50,10 @@ class Direction final {
   [[nodiscard]] static Direction reduced(Components components) noexcept;
   Components components_;
   geometry::Vec3 unit_;
+  double rounding_ = 0;
 };
 
-/// Sign of (a x b) . c; exact, filtered.
+/// Sign of (a x b) . c; exact, filtered; zero where the roundings of the three could turn it.
 [[nodiscard]] exact::Sign orientation(const Direction& a, const Direction& b, const Direction& c) noexcept;
 
 /// a x b of the unit vectors, in double from the exact integers: accurate to a few ulp even for nearly parallel
