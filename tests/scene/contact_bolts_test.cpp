@@ -93,6 +93,8 @@ TEST(ContactBolts, StepsThatDampASwingAreSaid) {
   EXPECT_TRUE(coarse.no_estimate.contains("swings with a period of")) << coarse.no_estimate;
   EXPECT_EQ(said(fine), 0);
   EXPECT_EQ(fine.bolts[0].state, BoltState::broken);
+  // It had come to its capacity when it broke, somewhere in a step, and to no more.
+  EXPECT_EQ(fine.bolts[0].largest, fine.bolts[0].capacity);
 }
 
 TEST(ContactBolts, TheyBreakYieldAndPressAsTheirNumbersSay) {
