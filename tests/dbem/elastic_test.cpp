@@ -291,8 +291,8 @@ TEST(BondTest, DoesNotHealAndKeepsResidualFriction) {
   EXPECT_NEAR((before - world.velocity(1).x) / (0.1 * g * (world.time() - from)), 1, 1e-6);
 }
 
-/// A block on a floor, pulled at its base: to where in 0.4 s, and the closed form where it yields when it is pulled with
-/// more than it holds.
+/// A block on a floor, pulled at its base: to where in 0.4 s, and the closed form where it yields when it is pulled
+/// with more than it holds.
 struct Pulled {
   double way, exact;
 };

@@ -34,8 +34,8 @@ TEST(StepOrderTest, TheErrorFallsWithTheSquareOfTheStep) {
   EXPECT_NEAR(middle / fine, 4, 0.3);
 }
 
-/// Way of a block on a floor that shakes harmonically, at times 0.01 s apart: integrated on its own in short steps, parted
-/// where slip turns round.
+/// Way of a block on a floor that shakes harmonically, at times 0.01 s apart: integrated on its own in short steps,
+/// parted where slip turns round.
 std::vector<double> shaken_exactly(double amplitude, double frequency, double mu, double duration) {
   constexpr double h = 2e-6;
   const double omega = 2 * std::numbers::pi * frequency;

@@ -190,8 +190,8 @@ TEST(ContactStateTest, TheVerdictIsThatOfTheStepsWhateverIsDrawn) {
       "[[body]]\nname = \"rod\"\nangular_velocity = 3\nrectangle = { corner = [3, 2], width = 0.2, height = 0.2 }\n";
   std::optional<ContactResult> first;
   for (const int frames : {120, 60, 7, 2, 1}) {
-    const auto result =
-        ran("[contact]\nduration = 0.6\nstep = 0.001\nframes = " + std::to_string(frames) + "\n" + ground + high + tips);
+    const auto result = ran("[contact]\nduration = 0.6\nstep = 0.001\nframes = " + std::to_string(frames) + "\n" +
+                            ground + high + tips);
     ASSERT_TRUE(result.has_value());
     const ContactVerdict verdict = verdict_of(*result);
     EXPECT_EQ(verdict.motion, BodyMotion::topples) << frames;  // the rod is the first: smaller, and it turns

@@ -143,10 +143,13 @@ TEST(ContactScene, ThePlanCountsTheElements) {
   const auto text = [](const std::string& element, const std::string& rigid) {
     return "[rock]\nyoung = 1e9\npoisson = 0.2\n[contact]\nduration = 0.01\nstep = 0.01\nelement = " + element +
            "\nrigid = " + rigid +
-           "\n[[body]]\nrectangle = { corner = [0, 0], width = 2, height = 1 }\nrepeat = { count = 3, shift = [3, 0] }\n"
+           "\n[[body]]\nrectangle = { corner = [0, 0], width = 2, height = 1 }\nrepeat = { count = 3, shift = [3, 0] "
+           "}\n"
            "[[body]]\nrectangle = { corner = [0, 3], width = 1, height = 1 }\n";
   };
-  const auto said = [](const Plan& plan) { return std::ranges::find(plan.stages, Stage::contact, &PlannedStage::stage)->why; };
+  const auto said = [](const Plan& plan) {
+    return std::ranges::find(plan.stages, Stage::contact, &PlannedStage::stage)->why;
+  };
   const Plan coarse = make_plan(parsed(text("0.5", "false"))), fine = make_plan(parsed(text("0.02", "false")));
   EXPECT_TRUE(said(coarse).contains("; 20 boundary elements in 2 shapes")) << said(coarse);
   EXPECT_TRUE(said(fine).contains("; 500 boundary elements in 2 shapes")) << said(fine);

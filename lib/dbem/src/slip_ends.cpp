@@ -4,8 +4,8 @@
 #include "trial.hpp"
 
 /// Slip that comes to its end within a step: from there on friction holds, or pulls the other way. The law of contact
-/// is asked at the end of the step and pulls one way all through it; what it pulls wrongly until slip ends is an error of
-/// speed of the order of the step. Such a step is done again so that it ends with the slip.
+/// is asked at the end of the step and pulls one way all through it; what it pulls wrongly until slip ends is an error
+/// of speed of the order of the step. Such a step is done again so that it ends with the slip.
 namespace cleave::dbem {
 namespace {
 
@@ -44,8 +44,7 @@ double Trial::until_slip_ends(std::size_t group) const {
     const double before = w_.velocity_of(rows, k, w_.state).y, after = w_.velocity_of(rows, k, out_.state).y;
     if (before == 0 || after / before > 1e-6) continue;
     if (ending.empty()) kept = out_.state;
-    const double bound =
-        w_.friction_of(moved_[island.touches[k]], w_.bond_of(t)) * p.x + step_ * w_.cohesion_of(t);
+    const double bound = w_.friction_of(moved_[island.touches[k]], w_.bond_of(t)) * p.x + step_ * w_.cohesion_of(t);
     w_.add_impulse(rows, k, {0, (before > 0 ? -bound : bound) - p.y}, island.theta, step_, kept);
     ending.push_back({k, before});
   }

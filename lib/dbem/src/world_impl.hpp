@@ -177,8 +177,8 @@ struct World::Impl {
   std::vector<Bond> bonds;
   std::vector<BondKey> bond_keys;
   std::vector<JointSection> sections;
-  std::vector<Mated> mated;            // sorted
-  std::vector<double> rides;           // of each body, how far joints can lift it; empty: nothing dilates
+  std::vector<Mated> mated;   // sorted
+  std::vector<double> rides;  // of each body, how far joints can lift it; empty: nothing dilates
   // In the step that is being tried: sections that tear, and bonds that are lost. Empty: none.
   std::vector<std::uint8_t> torn_now;
   std::vector<Loss> lost_now;

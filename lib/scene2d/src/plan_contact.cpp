@@ -118,10 +118,9 @@ Plan make_plan(const ContactScene& scene) {
   }
   why += fmt::format("; solver {}", dbem::name_of(s.solver));
   const Deforming deforming = rigidity.elastic ? deforming_of(scene) : Deforming{};
-  why += rigidity.elastic
-             ? fmt::format("; {:.6g} boundary elements in {} {}", deforming.elements, deforming.shapes,
-                           deforming.shapes == 1 ? "shape" : "shapes")
-             : "; no boundary elements, no vibrations";
+  why += rigidity.elastic ? fmt::format("; {:.6g} boundary elements in {} {}", deforming.elements, deforming.shapes,
+                                        deforming.shapes == 1 ? "shape" : "shapes")
+                          : "; no boundary elements, no vibrations";
   const bool bonded =
       std::ranges::any_of(scene.joints, [](const ContactJoint& j) { return j.cohesion > 0 || j.tension > 0; });
   if (!bonded) why += "; no bonds: no joint has cohesion or tension";
@@ -142,10 +141,9 @@ Plan make_plan(const ContactScene& scene) {
   // A contact a block and side; one warm solve a step.
   const auto blocks = static_cast<double>(moving);
   const double steps = s.duration / s.step;
-  plan.estimate.memory_mb =
-      20 + blocks * 0.005 + deforming.memory_mb + 3e-5 * blocks * static_cast<double>(s.frames);
-  plan.estimate.seconds = deforming.seconds + (s.to_rest ? std::min(steps, 2000.0) : steps) *
-                                                  (blocks * 2.06e-5 + 2e-7 * deforming.modes);
+  plan.estimate.memory_mb = 20 + blocks * 0.005 + deforming.memory_mb + 3e-5 * blocks * static_cast<double>(s.frames);
+  plan.estimate.seconds =
+      deforming.seconds + (s.to_rest ? std::min(steps, 2000.0) : steps) * (blocks * 2.06e-5 + 2e-7 * deforming.modes);
   std::ranges::find(plan.stages, Stage::contact, &PlannedStage::stage)->seconds = plan.estimate.seconds;
   add_inputs(contact_scene_keys(), scene.given, plan);
   return plan;
