@@ -45,7 +45,7 @@ std::optional<World::Impl::Failure> Trial::run() {
       continue;
     }
     if (bonds_gave_way()) continue;
-    if (const double share = until_slip_ends(); share < 1) return Failure{.redo = share, .slip_ends = true};
+    if (const double share = until_slip_ends(); share < 1) return Failure{0, "", share, false, true};
     if (mean_rule_gained()) {
       ++out_.report.retries;
       continue;
