@@ -54,15 +54,16 @@ struct Deforming {
 
 Deforming deforming_of(const ContactScene& scene) {
   Deforming out;
-  // Two nodes an element, two freedoms a node.
-  const auto freedoms_of = [&](const ContactBody& body) { return 4 * elements_of(scene.settings, body); };
+  // Two nodes an element, two freedoms a node; inner motions.
+  constexpr double inner = 12;
+  const auto freedoms_of = [&](const ContactBody& body) { return 4 * elements_of(scene.settings, body) + inner; };
   const auto modes_of = [&](double freedoms) {
     return scene.settings.modes ? std::min(static_cast<double>(*scene.settings.modes), freedoms) : freedoms;
   };
   for (const std::size_t shape : shapes_of(scene)) {
     const double freedoms = freedoms_of(scene.bodies[shape]);
     ++out.shapes;
-    out.elements += freedoms / 4;
+    out.elements += elements_of(scene.settings, scene.bodies[shape]);
     // Some eight matrices, and their eigenvectors.
     out.memory_mb += 64e-6 * freedoms * freedoms;
     out.seconds += 1e-6 * freedoms * freedoms + 1e-8 * freedoms * freedoms * freedoms;
