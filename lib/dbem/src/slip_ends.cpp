@@ -15,6 +15,8 @@ constexpr std::size_t most_contacts = 300;
 constexpr double near_an_end = 1e-3;
 /// Share by which the step goes on: slip has stopped then, and the next step begins from rest.
 constexpr double beyond = 1e-4;
+/// Of the fastest corner of the group: slip that is slower is no part of the motion.
+constexpr double slow = 1e-2;
 /// Speeds below this are none, m/s.
 constexpr double no_speed = 1e-9;
 
@@ -37,6 +39,9 @@ double Trial::until_slip_ends(std::size_t group) const {
     std::size_t contact;
     double before;  // m/s
   };
+  double fastest = 0;
+  for (const std::uint32_t b : island.bodies) fastest = std::max(fastest, w_.speed_bound(w_.state, b));
+  const double counts = std::max(no_speed, slow * fastest);
   std::vector<Ending> ending;
   State kept;  // as it would be if friction went on as it began
   for (std::size_t k = 0; k < island.touches.size(); ++k) {
@@ -44,7 +49,7 @@ double Trial::until_slip_ends(std::size_t group) const {
     const Vec2 p = solutions_[group].impulse[k];
     if (t.tie != no_tie || p.x <= 0 || w_.compliance_of(t).y > 0) continue;
     const double before = w_.velocity_of(rows, k, w_.state).y, after = w_.velocity_of(rows, k, out_.state).y;
-    if (std::abs(before) <= no_speed || after / before > 1e-6) continue;
+    if (std::abs(before) <= counts || after / before > 1e-6) continue;
     if (ending.empty()) kept = out_.state;
     const double bound = w_.friction_of(moved_[island.touches[k]], w_.bond_of(t)) * p.x + step_ * w_.cohesion_of(t);
     w_.add_impulse(rows, k, {0, (before > 0 ? -bound : bound) - p.y}, island.theta, step_, kept);

@@ -13,8 +13,8 @@ using bem::Vec2;
 
 namespace {
 
-/// Of one body: its matrices then take some 4 GB.
-constexpr double most_elements = 2000;
+/// Of one body: with all its modes it then takes 13 GB and some ten minutes.
+constexpr double most_elements = 500;
 
 }  // namespace
 

@@ -26,6 +26,8 @@ constexpr auto solver_names = [] {
 constexpr NumberRule downwards_rule =
     rule::as_gravity({0, false, 1e3, false, " m/s2, downwards (a direction: [x, y])"});
 constexpr std::array<string_view, 1> auto_word{"auto"};
+/// Of a body's size: a point so near to it lies in an open joint, and moves with the body that it names.
+constexpr double in_a_gap = 0.01;
 /// Of the scene's extent, as a limit of the move in a step. Contacts are closed within 1e-9: less is no move.
 constexpr NumberRule move_rule{1e-8, false, 1, false, ""};
 
@@ -353,11 +355,15 @@ void parse_points(const TableReader& table, ContactScene& scene) {
         continue;
       }
       spec.body = static_cast<std::size_t>(body - scene.bodies.begin());
-      if (!holds(*body, *at) && !lies_on(*body, *at)) {
+      const bool beside = !holds(*body, *at) && !lies_on(*body, *at);
+      const double away = beside ? distance_to(*body, *at) : 0;
+      if (beside && away <= in_a_gap * size_of(body->corners).si()) {
+        point.note("at", fmt::format("lies outside \"{}\": it moves as if it were a part of it", body->name),
+                   "write the place at the start of the run");
+      } else if (beside) {
         const auto other = body_at(scene.bodies, *at);
         point.error("at",
-                    fmt::format("({:.6g}, {:.6g}) lies outside \"{}\", {:.3g} m away{}", at->x, at->y, body->name,
-                                distance_to(*body, *at),
+                    fmt::format("({:.6g}, {:.6g}) lies outside \"{}\", {:.3g} m away{}", at->x, at->y, body->name, away,
                                 other ? fmt::format(", in \"{}\"", scene.bodies[*other].name)
                                       : nearest_body(scene.bodies, *at, &*body)),
                     "write a place on that body at the start of the run, or name another body");
