@@ -183,14 +183,15 @@ std::expected<StepReport, StepError> World::Impl::try_steps(double step, std::si
   // What a step may take is shared out: a try that resists leaves enough for shorter ones.
   double left = options.step_work * std::max(1.0, 0.01 * static_cast<double>(size()));
   const double half = 0.5 * left;
-  double spent = 0;
+  double spent = 0, within = 0;
   std::size_t cut = 0, slip_ends = 0;
   for (int tries = 0;; ++tries) {
     Attempt trial;
     const double share = cut == options.cuts ? 1.0 : cut == 0 ? share_of_first_try : share_of_a_try;
     Work work{share * left};
     const bool follow_slip = slip_ends_in_a_row < most_slip_ends && slip_ends < most_slip_ends && left > half;
-    const std::optional<Failure> failed = Trial{*this, step, cut, work, follow_slip, trial}.run();
+    const SlipEnds ends{follow_slip, within};
+    const std::optional<Failure> failed = Trial{*this, step, cut, work, ends, trial}.run();
     spent += work.spent();
     left -= work.spent();
     if (!failed) {
@@ -212,6 +213,7 @@ std::expected<StepReport, StepError> World::Impl::try_steps(double step, std::si
       return done;
     }
     if (failed->slip_ends) {
+      if (slip_ends == 0) within = step;
       step *= *failed->redo;
       ++slip_ends;
       continue;

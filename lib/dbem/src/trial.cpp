@@ -18,12 +18,12 @@ constexpr auto no_group = static_cast<std::uint32_t>(-1);
 
 }  // namespace
 
-Trial::Trial(World::Impl& world, double step, std::size_t cut, Work& work, bool follow_slip, Attempt& out)
+Trial::Trial(World::Impl& world, double step, std::size_t cut, Work& work, const SlipEnds& slip_ends, Attempt& out)
     : w_{world},
       step_{step},
       cut_{cut},
       work_{work},
-      follow_slip_{follow_slip},
+      slip_ends_{slip_ends},
       out_{out},
       list_{world.touches},
       implicit_(world.size()) {
@@ -45,7 +45,7 @@ std::optional<World::Impl::Failure> Trial::run() {
       continue;
     }
     if (bonds_gave_way()) continue;
-    if (const double share = until_slip_ends(); share < 1) return Failure{0, "", share, false, true};
+    if (const double share = until_slip_ends(); share != 1) return Failure{0, "", share, false, true};
     if (mean_rule_gained()) {
       ++out_.report.retries;
       continue;

@@ -7,13 +7,18 @@
 
 namespace cleave::dbem {
 
+/// Whether a step is ended where slip comes to its end.
+struct SlipEnds {
+  bool followed = false;
+  double within = 0;  ///< length of the step that was tried first, s, of one that was shortened so; else 0
+};
+
 /// One try of a step: groups of touching bodies, the impulses between them, where these lead, and whether that may be
 /// believed. Done again with the contacts that come up on the way. Changes nothing of the world but what it remembers
 /// for later tries (`hint`, `torn_now`, `lost_now`), and what it wakes.
 class Trial final {
  public:
-  /// `follow_slip`: the step may be ended where slip comes to its end.
-  Trial(World::Impl& world, double step, std::size_t cut, Work& work, bool follow_slip, Attempt& out);
+  Trial(World::Impl& world, double step, std::size_t cut, Work& work, const SlipEnds& slip_ends, Attempt& out);
   /// Nothing: `out` is a step that holds.
   [[nodiscard]] std::optional<World::Impl::Failure> run();
 
@@ -30,7 +35,8 @@ class Trial final {
   [[nodiscard]] std::vector<Vec2> impulses_before(const Island& island) const;
   /// Bonds that do not carry what they are asked for: the step is solved again without them.
   [[nodiscard]] bool bonds_gave_way();
-  /// Share of the step at which the first slip comes to its end; 1: none does, or none that matters.
+  /// Share of the step at which the first slip comes to its end, above 1 where a step that should end with it is too
+  /// short; 1: none does, or none that matters.
   [[nodiscard]] double until_slip_ends() const;
   [[nodiscard]] double until_slip_ends(std::size_t group) const;
   /// The mean rule lets a contact that opens and shuts again within a step, or slip that turns round, bring in energy
@@ -68,7 +74,7 @@ class Trial final {
   double step_;
   std::size_t cut_;
   Work& work_;
-  bool follow_slip_;
+  SlipEnds slip_ends_;
   Attempt& out_;
   std::vector<Touch> list_;   // at the start of the step
   std::vector<Touch> moved_;  // where impulses act
