@@ -183,14 +183,14 @@ std::expected<StepReport, StepError> World::Impl::try_steps(double step, std::si
   // What a step may take is shared out: a try that resists leaves enough for shorter ones.
   double left = options.step_work * std::max(1.0, 0.01 * static_cast<double>(size()));
   const double half = 0.5 * left;
-  double spent = 0, within = 0;
+  double spent = 0;
+  SlipEnds ends;
   std::size_t cut = 0, slip_ends = 0;
   for (int tries = 0;; ++tries) {
     Attempt trial;
     const double share = cut == options.cuts ? 1.0 : cut == 0 ? share_of_first_try : share_of_a_try;
     Work work{share * left};
-    const bool follow_slip = slip_ends_in_a_row < most_slip_ends && slip_ends < most_slip_ends && left > half;
-    const SlipEnds ends{follow_slip, within};
+    ends.followed = slip_ends_in_a_row < most_slip_ends && slip_ends < most_slip_ends && left > half;
     const std::optional<Failure> failed = Trial{*this, step, cut, work, ends, trial}.run();
     spent += work.spent();
     left -= work.spent();
@@ -213,9 +213,8 @@ std::expected<StepReport, StepError> World::Impl::try_steps(double step, std::si
       return done;
     }
     if (failed->slip_ends) {
-      if (slip_ends == 0) within = step;
+      if (slip_ends++ == 0) ends.within = step;
       step *= *failed->redo;
-      ++slip_ends;
       continue;
     }
     if (failed->redo == 1 && left > 0) {  // something woke
