@@ -182,7 +182,6 @@ void World::Impl::choose_next_step(const StepReport& report) {
 std::expected<StepReport, StepError> World::Impl::try_steps(double step, std::size_t shortened) {
   // What a step may take is shared out: a try that resists leaves enough for shorter ones.
   double left = options.step_work * std::max(1.0, 0.01 * static_cast<double>(size()));
-  const double half = 0.5 * left;
   double spent = 0;
   SlipEnds ends;
   std::size_t cut = 0, slip_ends = 0;
@@ -190,7 +189,7 @@ std::expected<StepReport, StepError> World::Impl::try_steps(double step, std::si
     Attempt trial;
     const double share = cut == options.cuts ? 1.0 : cut == 0 ? share_of_first_try : share_of_a_try;
     Work work{share * left};
-    ends.followed = slip_ends_in_a_row < most_slip_ends && slip_ends < most_slip_ends && left > half;
+    ends.followed = slip_ends_in_a_row < most_slip_ends && slip_ends < most_slip_ends && spent < left;
     const std::optional<Failure> failed = Trial{*this, step, cut, work, ends, trial}.run();
     spent += work.spent();
     left -= work.spent();
