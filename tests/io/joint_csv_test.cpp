@@ -129,6 +129,17 @@ TEST(JointCsvTest, WhatMayBeAStrengthIsSaid) {
   EXPECT_FALSE(t.rows[0].cohesion);
 }
 
+TEST(JointCsvTest, WhatMayBeAStrengthIsNoSize) {
+  const JointTable t = read("dip,dd,x,y,z,c,frictoin,JRC\n60,30,0,0,0,50,25,8\n");
+  EXPECT_TRUE(std::holds_alternative<Persistent>(t.rows.at(0).size));
+  ASSERT_EQ(t.notes.size(), 4U);
+  EXPECT_EQ(t.notes[1], "column \"c\" is not used; where it is meant as cohesion, name it cohesion");
+  EXPECT_EQ(t.notes[3],
+            "column \"jrc\" is not used; the law of Barton and Bandis is given by set: jrc and jcs of [joints.NAME]");
+  // But for a slip of a size.
+  EXPECT_EQ(problems("dip,dd,x,y,z,diametre\n60,30,0,0,0,10\n").size(), 1U);
+}
+
 TEST(JointCsvTest, DiametersAreNotRadii) {
   const JointTable t = read("dip,dd,x,y,z,Diameter (m)\n60,30,0,0,0,10\n60,30,0,0,0,\n");
   EXPECT_EQ(std::get<DiscSize>(t.rows[0].size).radius, metres(5));

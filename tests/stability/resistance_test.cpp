@@ -214,6 +214,41 @@ TEST(ResistanceTest, CohesionAndTension) {
   EXPECT_NEAR(hung.factor_of_safety, 0.75, 1e-12);
 }
 
+// A face that opens in a slant pulls aside: what nothing bears of that pull does not hold the block either.
+TEST(ResistanceTest, TensionOfASlantFaceIsThatWhichStaysInBalance) {
+  const auto roof = [](double slant, double sense = 1) {
+    return Vec3{sense * std::sin(radians(slant)), 0, -std::cos(radians(slant))};
+  };
+  const auto held = [](const std::vector<Wall>& walls, std::initializer_list<JointStrength> strengths) {
+    return judge_one(walls, settings(strengths)).resistance.si();
+  };
+  // One slant roof joint: its shear p tan(slant) is that of cohesion alone.
+  EXPECT_NEAR(held({{roof(40)}}, {strength(30, 0, 1000)}), 0, 1e-3)
+      << "a millionth of it, by the slant that counts as none";
+  for (const double cohesion : {1.0, 5.0, 20.0}) {
+    const double t = std::tan(radians(40)), c = std::cos(radians(40));
+    EXPECT_NEAR(held({{roof(40)}}, {strength(30, cohesion, 8)}), std::min(8 * c, std::min(8.0, cohesion / t) / c),
+                1e-9);
+  }
+  // Lifted off a slant joint by 1.2 times its weight, the net force is 20.
+  const Settings lifting = settings({strength(30, 0, 1000)}, {0, 0, 1.2});
+  const Judgement lifted = judge_one({{upward(40, 90)}}, lifting);
+  EXPECT_EQ(lifted.mode, Mode::lifting);
+  EXPECT_NEAR(lifted.factor_of_safety, 0, 1e-4) << "it slides off";
+  EXPECT_TRUE(lifted.key);
+  // Two that lean on each other: the same slant bears all, else the lesser pull aside bounds both.
+  EXPECT_NEAR(held({{roof(40)}, {roof(40, -1)}}, {strength(30, 0, 8), strength(30, 0, 8)}), 16 * std::cos(radians(40)),
+              1e-9);
+  const double a = radians(20), b = radians(50), first = 8 * std::sin(a) / std::sin(b);
+  EXPECT_NEAR(held({{roof(20)}, {roof(50, -1)}}, {strength(30, 0, 8), strength(30, 0, 8)}),
+              8 * std::cos(a) + first * std::cos(b), 1e-7);
+  // A crack behind a block on a plane that overhangs by 30 degrees more: its pull takes friction away.
+  const Vec3 crack{std::cos(radians(70)), 0, -std::sin(radians(70))};
+  const double friction = std::tan(radians(20)), angle = radians(30), reaction = 100 * std::cos(radians(40));
+  EXPECT_NEAR(held({{upward(40, 90)}, {crack}}, {strength(20), strength(20, 0, 8)}),
+              friction * reaction + 8 * (std::cos(angle) - friction * std::sin(angle)), 1e-7);
+}
+
 TEST(ResistanceTest, SteppedBaseAddsAreasAndAveragesFriction) {
   const std::vector<Wall> steps{{upward(30, 90), 1}, {upward(30, 90), 3}};
   const double n = 100 * std::cos(radians(30));

@@ -244,5 +244,48 @@ TEST(ScenesTest, LawsOnRandomRock) {
   EXPECT_GT(key, 60U);
 }
 
+// A drawer in a wall, between joints that were drawn parallel in any direction: their doubles are parallel to a
+// rounding only, and whatever that is the drawer slides out.
+TEST(ScenesTest, WhatIsDrawnParallelDoesNotTaper) {
+  Rng draw{11};
+  for (int k = 0; k < 100; ++k) {
+    const double azimuth = 360 * draw.uniform(), dip = 10 + 30 * draw.uniform(), x = 40 * draw.uniform();
+    const Vec3 east = geometry::upward_normal(plane(90, azimuth)), north = cross(Vec3{0, 0, 1}, east);
+    const Vec3 out = std::cos(dip * std::numbers::pi / 180) * east - Vec3{0, 0, std::sin(dip * std::numbers::pi / 180)};
+    const Vec3 up = cross(out, north);
+    const Vec3 sense = up.z < 0 ? -up : up;
+    const auto at = [&](double a, double b, double c) { return Vec3{x, -x, 7} + a * out + b * north + c * sense; };
+    // A half-space is taken out in front; the drawer is 2 m wide, 1 m high and 3 m deep.
+    const auto side = [&](double b) { return polygon({at(-4, b, -2), at(2, b, -2), at(2, b, 2), at(-4, b, 2)}); };
+    const auto flat = [&](double c) { return polygon({at(-4, -2, c), at(2, -2, c), at(2, 2, c), at(-4, 2, c)}); };
+    topology::CutInput input{.domain = geometry::make_box({x - 10, -x - 10, -3}, {x + 10, -x + 10, 17}).value(),
+                             .joints = {side(-1), side(1), flat(0), flat(1),
+                                        polygon({at(-3, -2, -1), at(-3, 2, -1), at(-3, 2, 2), at(-3, -2, 2)})},
+                             .excavations = {},
+                             .free_domain_tags = {}};
+    std::vector<Vec3> front;
+    for (const double a : {0.0, 3.0}) {
+      for (const auto& [b, c] : std::array<std::array<double, 2>, 4>{{{-3, -3}, {3, -3}, {3, 3}, {-3, 3}}}) {
+        front.push_back(at(a, b, c));
+      }
+    }
+    std::vector<geometry::SolidFace> faces{{{0, 1, 2, 3}, 0}, {{7, 6, 5, 4}, 0}};
+    for (std::uint32_t i = 0; i < 4; ++i) faces.push_back({{(i + 1) % 4, i, i + 4, (i + 1) % 4 + 4}, 0});
+    if (dot(cross(out, north), sense) > 0) {
+      for (auto& face : faces) std::ranges::reverse(face.corners);
+    }
+    input.excavations.push_back(geometry::Solid::make(std::move(front), std::move(faces)).value());
+    const auto cut = audited(input);
+    const Analysis analysis = analyse(cut, rock({strength(5)}));
+    ASSERT_EQ(cut.complex().blocks().size(), 2U) << k;
+    ASSERT_EQ(analysis.batches.size(), 1U) << k;
+    const Judgement& drawer = analysis.judgements.at(0);
+    EXPECT_TRUE(drawer.mode == Mode::sliding || drawer.mode == Mode::wedge)
+        << k << ": it leans on a side by a rounding";
+    EXPECT_NEAR(drawer.factor_of_safety, std::tan(5 * std::numbers::pi / 180) / std::tan(dip * std::numbers::pi / 180),
+                1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace cleave::stability

@@ -53,6 +53,8 @@ class Outline {
   }
   [[nodiscard]] std::size_t size() const { return corners_.size(); }
   [[nodiscard]] Vec3 corner(std::size_t i) const { return as_vec3(corners_[i % corners_.size()]); }
+  /// How far from its plane.
+  [[nodiscard]] double off(Vec3 p) const { return std::abs(dot(normal_, p) + offset_); }
   /// The foot of p, where that lies inside.
   [[nodiscard]] bool above(Vec3 p, Vec3& foot) const {
     foot = p - (dot(normal_, p) + offset_) * normal_;
@@ -85,8 +87,9 @@ Nearest to_outline(Vec3 p, Vec3 q, const Outline& other) {
 
 }  // namespace
 
-void Gaps::add(const Gaps& other) noexcept {
+void Gaps::add(const Gaps& other) {
   sides += other.sides;
+  endings.insert(endings.end(), other.endings.begin(), other.endings.end());
   if (other.largest > largest ||
       (!(other.largest < largest) && std::pair{other.first, other.second} < std::pair{first, second})) {
     largest = other.largest;
@@ -112,8 +115,6 @@ void GapFinder::look(Index i, Index j, Gaps& found) const {
   const bool of_joint = f.owner == Owner::joint, other_of_joint = g.owner == Owner::joint;
   if (!of_joint && !other_of_joint) return;
   if (f.sheet != none && f.sheet == g.sheet) return;  // pieces of one flat face
-  // Joints without corners go on for ever, or end on planes.
-  if ((of_joint && f.corner_count == 0) || (other_of_joint && g.corner_count == 0)) return;
   const Outline own{prepared_, f}, other{prepared_, g};
   const auto height = [&](const HalfSpace& edge, Vec3 p) {
     const auto& n = prepared_.planes[edge.plane].approx();
@@ -143,6 +144,12 @@ void GapFinder::look(Index i, Index j, Gaps& found) const {
   const auto outside = [&](Vec3 p) {
     return std::ranges::any_of(prepared_.clip, [&](const HalfSpace& side) { return height(side, p) < -touching; });
   };
+  // Nor behind the face of a solid: what ends there has reached it.
+  const auto has_reached = [&](const Facet& face, Vec3 p) {
+    if (face.owner != Owner::excavation && face.owner != Owner::domain) return false;
+    const bool rock_is_positive = face.outward_positive == (face.owner == Owner::excavation);
+    return height({face.plane, rock_is_positive}, p) < -touching;
+  };
   std::uint64_t sides = 0;
   Nearest nearest;
   const auto look_from = [&](const Outline& from, const Facet& its, const Outline& to, const Facet& beyond) {
@@ -153,8 +160,13 @@ void GapFinder::look(Index i, Index j, Gaps& found) const {
       const Nearest own_nearest = to_outline(p, q, to);
       if (own_nearest.distance > limit_) continue;
       if (!there(beyond, own_nearest.on_second) || outside(own_nearest.on_first)) continue;
+      if (has_reached(beyond, own_nearest.on_first)) continue;
       if (own_nearest.distance < nearest.distance) nearest = own_nearest;
       any = true;
+      const double off = std::max(to.off(p), to.off(q));
+      if (beyond.owner == Owner::joint && std::max(off, own_nearest.distance) <= prepared_.roundings * 0x1p-48) {
+        found.endings.push_back({its.owner_index, beyond.owner_index});
+      }
       // A side that only starts near is not the one that misses.
       if (std::max(to_outline(p, p, to).distance, to_outline(q, q, to).distance) <= limit_) ++sides;
     }
@@ -164,8 +176,7 @@ void GapFinder::look(Index i, Index j, Gaps& found) const {
   const std::uint64_t sides_of_own = sides;
   const bool from_other = sides_of_own == 0 && other_of_joint && !g.rim_shared && look_from(other, g, own, f);
   if ((!from_own && !from_other) || (f.plane == g.plane && nearest.distance < touching)) return;
-  Gaps gaps{std::max<std::uint64_t>(sides, 1), nearest.distance, std::min(i, j), std::max(i, j)};
-  found.add(gaps);
+  found.add({std::max<std::uint64_t>(sides, 1), nearest.distance, std::min(i, j), std::max(i, j), {}});
 }
 
 }  // namespace cleave::topology::detail

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "cleave/core/overloaded.hpp"
+#include "cleave/geometry/tunnel.hpp"
 #include "detail/input_check.hpp"
 #include "detail/preparation.hpp"
 #include "detail/solids.hpp"
@@ -100,10 +101,14 @@ Preparation::Done Preparation::add_solid(const geometry::Solid& solid, Owner own
     for (std::size_t i = 0; i < count && !solid.from_half_spaces(); ++i) {
       shared_.add_surface_side(sites[face.corners[i]], sites[face.corners[(i + 1) % count]]);
     }
-    if (!snapper_.active()) continue;
+    const bool clips = owner == Owner::domain && !out_.clip.empty();
+    if (!snapper_.active() && clips) continue;
     std::vector<LatticePoint> corners;
     for (const std::uint32_t v : face.corners) corners.push_back(sites[v]);
-    if (auto polygon = make_lattice_polygon(std::move(corners))) snapper_.remember(*polygon);
+    const auto polygon = make_lattice_polygon(std::move(corners));
+    if (!polygon) continue;
+    if (snapper_.active()) snapper_.remember(*polygon);
+    if (!clips) surfaces_.add(*polygon, owner == Owner::domain);
   }
   return {};
 }
@@ -121,6 +126,7 @@ Preparation::Done Preparation::add_solids() {
     return std::ranges::count(out_.planes[side.plane].normal(), exact::Int128{0}) == 2;
   });
   if (touch_) builder_.adoption_margin_ += 2000 * touch_->reach() / lattice_.pitch() * lattice_unit;
+  surfaces_.finish(std::max(roundings(), 2 * geometry::opening_quantum.si() / lattice_.pitch()));
   return {};
 }
 
@@ -184,6 +190,61 @@ void Preparation::touch_domain() {
   move(moves);
 }
 
+void Preparation::touch_surfaces() {
+  for (std::size_t k = 0; k < polygons_.size(); ++k) {
+    const JointPolygon& entry = polygons_[k];
+    if (beside_[k] != 0 || !surfaces_.near(entry.corners)) continue;
+    const auto polygon = make_lattice_polygon(entry.corners, shared_.among(entry.corners));
+    if (polygon) surfaces_.look(*polygon);
+  }
+  move_beyond(surfaces_);
+}
+
+/// What ends on another joint, from the side on which it lies.
+void Preparation::touch_joints() {
+  if (endings_.empty()) return;
+  SurfaceTouch others;
+  const auto for_each_polygon = [&](Index joint, const auto& visit) {
+    for (const JointPolygon& entry : std::ranges::equal_range(polygons_, joint, {}, &JointPolygon::joint)) {
+      if (const auto polygon = make_lattice_polygon(entry.corners, shared_.among(entry.corners))) visit(*polygon);
+    }
+  };
+  std::vector<Index> on;
+  for (const Ending& ending : endings_) on.push_back(ending.other);
+  std::ranges::sort(on);
+  const auto again = std::ranges::unique(on);
+  on.erase(again.begin(), again.end());
+  for (const Index other : on) {
+    for_each_polygon(other, [&](const LatticePolygon& polygon) { others.add(polygon, other); });
+    if (const auto plane = builder_.plane_of_joint(other)) others.add(out_.planes[*plane], other);
+  }
+  others.finish(roundings());
+  for (std::size_t first = 0, last = 0; first < endings_.size(); first = last) {
+    const Index joint = endings_[first].joint;
+    on.clear();
+    for (; last < endings_.size() && endings_[last].joint == joint; ++last) {
+      if (endings_[last].other != joint) on.push_back(endings_[last].other);
+    }
+    if (on.empty()) continue;
+    for_each_polygon(joint, [&](const LatticePolygon& polygon) { others.look(polygon, on, shared_); });
+  }
+  move_beyond(others);
+}
+
+void Preparation::move_beyond(SurfaceTouch& surfaces) {
+  const Moves moves = surfaces.beyond();
+  if (moves.empty()) return;
+  for (JointPolygon& entry : polygons_) {
+    for (const LatticePoint c : entry.corners) {
+      if (moves(c) == c) continue;
+      beyond_.push_back(moves(c));
+      entry.moved = true;
+    }
+  }
+  std::ranges::sort(beyond_);
+  move(moves);
+}
+
 /// What ends on a folded polygon ends just behind its plane, so that it meets the pieces.
 std::optional<Plane> Preparation::behind(Index joint, LatticePoint middle) const {
   const auto own = std::ranges::find(polygons_, joint, &JointPolygon::joint);
@@ -224,9 +285,9 @@ bool HeldCorners::common(std::initializer_list<Index> planes, int count) const {
   return false;
 }
 
-std::expected<Prepared, CutError> prepare(const CutInput& input) {
+std::expected<Prepared, CutError> prepare(const CutInput& input, std::span<const Ending> endings) {
   CLEAVE_CHECK(check_input(input));
-  return Preparation{input}.run();
+  return Preparation{input, endings}.run();
 }
 
 }  // namespace cleave::topology::detail

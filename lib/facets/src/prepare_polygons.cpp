@@ -173,7 +173,7 @@ Preparation::Done Preparation::make_polygon(std::size_t k) {
     entry.polygon = polygons_[first].polygon;  // the same plane, from whichever corner it was begun
     entry.corners = polygons_[first].corners;
   } else {
-    auto made = make_lattice_polygon(entry.corners, shared_.among(entry.corners));
+    auto made = make_lattice_polygon(entry.corners, fixing(entry));
     if (!made && (snapper_.active() || entry.moved)) {
       beside_[k] = 1;  // nothing of it is left
       return {};
@@ -183,6 +183,19 @@ Preparation::Done Preparation::make_polygon(std::size_t k) {
   }
   set_fold(entry);
   return {};
+}
+
+/// The corners that come first in the choice of its plane.
+std::vector<std::size_t> Preparation::fixing(const JointPolygon& entry) const {
+  std::vector<std::size_t> found = shared_.among(entry.corners);
+  if (beyond_.empty()) return found;
+  for (std::size_t i = 0; i < entry.corners.size(); ++i) {
+    if (std::ranges::binary_search(beyond_, entry.corners[i])) found.push_back(i);
+  }
+  std::ranges::sort(found);
+  const auto again = std::ranges::unique(found);
+  found.erase(again.begin(), again.end());
+  return found;
 }
 
 void Preparation::set_fold(JointPolygon& entry) const {
@@ -242,6 +255,21 @@ void Preparation::snap_planes() {
   }
 }
 
+/// Where the sides of a polygon end when not on its own corners.
+std::vector<std::optional<HalfSpace>> Preparation::adopted_sides(std::size_t k) {
+  const JointPolygon& entry = polygons_[k];
+  std::vector<std::optional<HalfSpace>> adopted;
+  if (touch_ && entry.at_border) adopted = touch_->ends(entry.polygon);
+  if (!snapper_.active()) return adopted;
+  const auto on_others =
+      snapper_.adopt_edges(polygons_, k, shared_, [&](const Plane& plane) { return builder_.add_plane(plane); });
+  adopted.resize(on_others.size());
+  for (std::size_t i = 0; i < adopted.size(); ++i) {
+    if (on_others[i]) adopted[i] = on_others[i];
+  }
+  return adopted;
+}
+
 Preparation::Done Preparation::add_polygons() {
   if (shared_.any()) {
     std::vector<LatticePoint> corners;
@@ -273,16 +301,7 @@ Preparation::Done Preparation::add_polygons() {
       }
       continue;
     }
-    std::vector<std::optional<HalfSpace>> adopted;
-    if (touch_ && entry.at_border) adopted = touch_->ends(entry.polygon);
-    if (snapper_.active()) {
-      const auto on_others =
-          snapper_.adopt_edges(polygons_, k, shared_, [&](const Plane& plane) { return builder_.add_plane(plane); });
-      adopted.resize(on_others.size());
-      for (std::size_t i = 0; i < adopted.size(); ++i) {
-        if (on_others[i]) adopted[i] = on_others[i];
-      }
-    }
+    const auto adopted = adopted_sides(k);
     if (builder_.add_polygon(entry.polygon, facet, adopted, ended_on(entry.joint))) continue;
     if (!snapper_.active()) return std::unexpected(collapsed(entry.joint));
     builder_.add_folded(fold(entry.corners), facet);  // crossed itself once its corners were one

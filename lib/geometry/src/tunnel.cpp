@@ -55,7 +55,7 @@ std::expected<Axis, TunnelError> axis_of(const std::vector<Vec3>& points) {
 double quantum_for(const std::vector<Vec3>& axis) {
   double largest = 1;
   for (const Vec3& p : axis) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-  return std::max(0x1p-30, std::ldexp(1.0, std::ilogb(largest) + 2 - 52));
+  return std::max(opening_quantum.si(), std::ldexp(1.0, std::ilogb(largest) + 2 - 52));
 }
 
 Vec3 rounded(Vec3 p, double quantum) {

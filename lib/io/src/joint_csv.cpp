@@ -143,17 +143,30 @@ class TableReader final {
     return {column, cell.substr(at + 1)};
   }
 
-  /// A column that is not understood: its name may be a slip of one that counts.
-  static std::string not_used(std::string_view cell) {
+  /// Of a name that is not understood: the column of which it may be a slip or a short form.
+  static std::optional<Column> may_mean(std::string_view cell) {
+    for (const auto& [name, column] : may_be) {
+      if (cell == name || cell.starts_with(std::string{name} + '_')) return column;
+    }
+    if (cell.size() <= 3) return std::nullopt;
     std::vector<std::string_view> names;
     for (const Names& k : known) names.push_back(k.names[0]);
-    std::string_view guess;
-    if (cell.size() > 3) guess = nearest(cell, names).value_or(guess);
-    for (const auto& [name, column] : may_be) {
-      if (cell == name || cell.starts_with(std::string{name} + '_')) guess = name_of(column);
+    const auto guess = nearest(cell, names);
+    if (!guess) return std::nullopt;
+    return known[static_cast<std::size_t>(std::ranges::find(names, *guess) - names.begin())].column;
+  }
+  static bool is_size(Column column) {
+    return column == Column::radius || column == Column::diameter || column == Column::side_a ||
+           column == Column::side_b;
+  }
+  static std::string not_used(std::string_view cell) {
+    std::string remedy;
+    if (const auto meant = may_mean(cell)) {
+      remedy = fmt::format("; where it is meant as {0}, name it {0}", name_of(*meant));
+    } else if (cell == "jrc" || cell == "jcs") {
+      remedy = "; the law of Barton and Bandis is given by set: jrc and jcs of [joints.NAME]";
     }
-    return fmt::format("column {} is not used{}", shown(cell),
-                       guess.empty() ? "" : fmt::format("; where it is meant as {0}, name it {0}", guess));
+    return fmt::format("column {} is not used{}", shown(cell), remedy);
   }
 
   void read_header() {
@@ -256,6 +269,7 @@ class TableReader final {
       if (csv_.separator == ';') std::ranges::replace(plain, ',', '.');
       const auto value = number_of(plain);
       if (!value || !(*value > 0) || std::ranges::find(never, csv_.header[c]) != never.end()) continue;
+      if (const auto meant = may_mean(csv_.header[c]); meant && !is_size(*meant)) continue;
       report(ReadFault::bad_columns, csv_.header_line, nth(c),
              fmt::format("column {} is not understood, and the joint of line {} has no size without it",
                          shown(csv_.header[c]), row.line),

@@ -13,9 +13,9 @@
 #include "cut_estimate.hpp"
 #include "cut_problem.hpp"
 #include "field_stress.hpp"
+#include "group_notes.hpp"
 #include "judge.hpp"
 #include "motion_run.hpp"
-#include "run_notes.hpp"
 
 namespace cleave::scene {
 namespace {

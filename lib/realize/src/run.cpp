@@ -8,6 +8,7 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/topology/cut.hpp"
 #include "cut_estimate.hpp"
+#include "cut_notes.hpp"
 #include "cut_problem.hpp"
 #include "judge.hpp"
 #include "realizer.hpp"

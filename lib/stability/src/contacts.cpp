@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "parallel_planes.hpp"
 #include "water.hpp"
 
 namespace cleave::stability {
@@ -13,6 +14,7 @@ Model::Model(const topology::BlockComplex& complex, const Settings& settings)
     : complex_{&complex},
       settings_{&settings},
       removed_in_(complex.blocks().size(), stays),
+      parallel_{parallel_planes(complex)},
       directions_(complex.planes().size(), std::nullopt),
       on_surfaces_{surface_forces(complex, settings.actions)} {
   for (const topology::BlockId id : settings.left_out) removed_in_[id] = 0;
@@ -33,7 +35,12 @@ double Contact::tan_at(double reaction) const {
 
 Direction Model::inward(const topology::Face& face) {
   auto& known = directions_[face.plane];
-  if (!known) known = Direction::normal_of(complex_->planes()[face.plane]);
+  if (!known) {
+    const auto& planes = complex_->planes();
+    known = Direction::normal_of(planes[parallel_[face.plane]]);
+    const auto own = planes[face.plane].unit_normal();
+    if (dot(known->unit(), Vec3{own[0], own[1], own[2]}) < 0) known = known->opposite();
+  }
   return face.block_on_positive_side ? *known : known->opposite();
 }
 

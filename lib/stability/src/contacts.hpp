@@ -91,6 +91,7 @@ class Model final {
   const topology::BlockComplex* complex_;
   const Settings* settings_;
   IdVector<topology::BlockId, std::uint32_t> removed_in_;
+  IdVector<topology::PlaneId, topology::PlaneId> parallel_;
   IdVector<topology::PlaneId, std::optional<Direction>> directions_;
   IdVector<topology::BlockId, ForceSum> on_surfaces_;  ///< empty when there are none
   std::vector<Direction> rows_;                        ///< of the last `held`

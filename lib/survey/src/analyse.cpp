@@ -11,6 +11,7 @@
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/survey/comparison.hpp"
 #include "line.hpp"
+#include "lines_and_windows.hpp"
 #include "set_laws.hpp"
 
 namespace cleave::survey {
@@ -443,58 +444,11 @@ class Analysis final {
   }
 
   void whole() {
-    for (const LineSurvey& line : in_.lines) {
-      const double length = line.length();
-      const auto gaps = gaps_of(line.positions), pieces = pieces_of(line.positions, length);
-      LineResult result{line.name,
-                        length,
-                        frequency(line.positions.size(), length, in_.confidence),
-                        rqd_measured(pieces, length),
-                        0,
-                        rqd(pieces, length, in_.confidence),
-                        {},
-                        {}};
-      result.rqd_of_frequency = rqd_of_frequency(result.frequency.value.value_or(0));
-      result.rqd_by_frequency = rqd(result.frequency);
-      if (gaps.size() > 1) {
-        result.comparisons = {frequency_from_gaps(gaps, length, in_.confidence),
-                              frequency_by_truncated_exponential(gaps, length, in_.confidence)};
-      }
-      out_.lines.push_back(std::move(result));
-    }
+    for (const LineSurvey& line : in_.lines) out_.lines.push_back(detail::result_of(line, in_.confidence));
     for (std::size_t w = 0; w < in_.windows.size(); ++w) {
-      const WindowSurvey& window = in_.windows[w];
-      WindowResult result{window.name, count(window.window, seen_[w]), {}, std::nullopt};
-      for (const auto estimate : {p20, p21, mean_length, mean_length_by_counts, p20_plain}) {
-        result.estimates.push_back(estimate(result.counts, in_.confidence));
-      }
-      if (result.counts.circle) {
-        result.estimates.push_back(p21_by_crossings(result.counts, in_.confidence));
-        result.estimates.push_back(mean_length_by_number(result.counts, in_.confidence));
-      } else {
-        result.estimates.push_back(mean_length_by_pahl(result.counts, in_.confidence));
-      }
-      const double mean = result.estimates[2].value.value_or(1);
-      if (seen_[w].size() <= most_traces_of_nodes) {
-        result.nodes = nodes(window.window, window.traces, 1e-3 * mean, in_.confidence);
-      }
-      note_border(window);
-      out_.windows.push_back(std::move(result));
+      out_.windows.push_back(detail::result_of(in_.windows[w], seen_[w], in_.confidence));
+      if (auto note = detail::border_note(in_.windows[w])) out_.notes.push_back(*std::move(note));
     }
-  }
-
-  /// A map that was cut along its border has ends there, on this side or that by rounding, or as near as it was
-  /// digitised: more of them than ends that fall there by chance.
-  void note_border(const WindowSurvey& window) {
-    const CutOffEnds cut = cut_off_by_border(window.window, window.traces);
-    if (cut.ends == 0 || window.border >= cut.within) return;
-    const double magnitude = std::pow(10, std::floor(std::log10(cut.border.si()))), share = cut.border.si() / magnitude;
-    const double border = (share <= 1 ? 1 : share <= 2 ? 2 : share <= 5 ? 5 : 10) * magnitude;
-    out_.notes.push_back(fmt::format(
-        "window {}: {} ends of traces lie within {:.2g} m of its border, where {:.1f} would by chance, and count as "
-        "seen, though the border has cut them off, it seems: P21 from crossings is too small; border = {:.1g} takes "
-        "them so",
-        window.name, cut.ends, cut.within.si(), cut.by_chance, border));
   }
 
   const SurveyInput& in_;

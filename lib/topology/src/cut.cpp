@@ -26,15 +26,29 @@ NearMisses near_misses(const detail::Prepared& prepared, const detail::Gaps& gap
   return found;
 }
 
+/// What misses another joint by roundings, sorted.
+std::vector<detail::Ending> endings_of(const detail::Gaps& gaps) {
+  std::vector<detail::Ending> found = gaps.endings;
+  std::ranges::sort(found);
+  const auto again = std::ranges::unique(found);
+  found.erase(again.begin(), again.end());
+  return found;
+}
+
 }  // namespace
 
 std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOptions& options) {
   using namespace detail;
   const ThreadLimit threads{std::max(1U, options.threads)};
-  CLEAVE_TRY(const Prepared prepared, prepare(input));
+  CLEAVE_TRY(Prepared prepared, prepare(input));
   Signs signs{prepared};
   constexpr std::size_t limit = std::size_t{1} << 29U;
   Traces traces = find_traces(prepared, signs, threads);
+  if (const std::vector<Ending> endings = endings_of(traces.gaps); !endings.empty()) {
+    CLEAVE_TRY(prepared, prepare(input, endings));
+    signs = Signs{prepared};
+    traces = find_traces(prepared, signs, threads);
+  }
   Graph graph = build_graph(prepared, traces, signs, threads);
   if (graph.uses.size() > limit) return std::unexpected(CutError{TooLarge{"edges"}});
   const std::vector<Vec> positions = positions_of(prepared, graph, threads);

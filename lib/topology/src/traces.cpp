@@ -156,7 +156,11 @@ class Tracer {
     }
     Clipper clipper{signs_, p, q, line};
     if (cut_by_edges(clipper, f, none) && cut_by_edges(clipper, g, none)) {
-      if (clipper.any()) return add(p, q, clipper, blank);
+      if (clipper.any()) {
+        if (!of_f.across) look_short(i, j);
+        if (!of_g.across) look_short(j, i);
+        return add(p, q, clipper, blank);
+      }
       if (clipper.missed_by() <= near) return gaps_.look(i, j, found_gaps_);
     }
     if (!of_f.across || !of_g.across) gaps_.look(i, j, found_gaps_);
@@ -189,7 +193,7 @@ class Tracer {
     Signs signs;
     Gaps gaps;
   };
-  [[nodiscard]] Result result() && { return {std::move(found_), signs_, found_gaps_}; }
+  [[nodiscard]] Result result() && { return {std::move(found_), signs_, std::move(found_gaps_)}; }
 
  private:
   static constexpr HalfSpace nowhere{none, true};
@@ -200,6 +204,39 @@ class Tracer {
       if (e != skip && !clipper.cut(prepared_.edges[e])) return false;
     }
     return true;
+  }
+  /// Of a joint's facet that meets another one and ends about on its plane: whether it does so along all of its side.
+  void look_short(Index number, Index other) {
+    const Facet& f = prepared_.facets[number];
+    if (f.owner != Owner::joint || f.corner_count == 0 || f.rim_shared || f.sheet != none) return;
+    const Index onto = prepared_.facets[other].plane;
+    const auto& n = signs_.plane(onto).approx();
+    const auto height = [&](const Vec& p) { return n[0] * p[0] + n[1] * p[1] + n[2] * p[2] + n[3]; };
+    double farthest = 0;
+    for (Index c = f.first_corner; c < f.first_corner + f.corner_count; ++c) {
+      if (const double h = height(prepared_.corners[c]); std::abs(h) > std::abs(farthest)) farthest = h;
+    }
+    const Sign own_side = farthest > 0 ? Sign::positive : Sign::negative;
+    for (Index e = f.first_edge; e < f.first_edge + f.edge_count; ++e) {
+      const Index edge = prepared_.edges[e].plane;
+      if (edge == onto || edge == f.plane || signs_.plane(edge).parallel_to(signs_.plane(f.plane))) continue;
+      const Index p = std::min(f.plane, edge), q = std::max(f.plane, edge);
+      const LineApprox line = exact::line_of(signs_.plane(p), signs_.plane(q));
+      Clipper side{signs_, p, q, line};
+      if (!cut_by_edges(side, f, e) || !side.any()) continue;
+      const double from = height(side.position(side.lower())), to = height(side.position(side.upper()));
+      if (std::max(std::abs(from), std::abs(to)) > gaps_.limit()) continue;
+      const auto stays_short = [&](const Clipper::End& end) {
+        return signs_.side(end.point, p, q, end.half_space.plane, onto) == own_side;
+      };
+      const bool lower = stays_short(side.lower()), upper = stays_short(side.upper());
+      if (!lower && !upper) continue;
+      const double gap = std::max({lower ? std::abs(from) : 0, upper ? std::abs(to) : 0, 0x1p-50});
+      found_gaps_.add({1, gap, std::min(number, other), std::max(number, other), {}});
+      if (prepared_.facets[other].owner == Owner::joint && gap <= prepared_.roundings * 0x1p-48) {
+        found_gaps_.endings.push_back({f.owner_index, prepared_.facets[other].owner_index});
+      }
+    }
   }
   void add(Index p, Index q, const Clipper& clipper, Interval interval) {
     interval.lower = clipper.lower().half_space;

@@ -17,6 +17,7 @@
 #include "detail/joint_polygon.hpp"
 #include "detail/shared_corners.hpp"
 #include "detail/snapping.hpp"
+#include "detail/surface_touch.hpp"
 
 namespace cleave::topology::detail {
 
@@ -28,8 +29,9 @@ using geometry::Vec3;
 /// Phase 1, step by step.
 class Preparation {
  public:
-  explicit Preparation(const CutInput& input)
+  Preparation(const CutInput& input, std::span<const Ending> endings)
       : input_{input},
+        endings_{endings},
         domain_{bounds_of(input.domain.vertices())},
         lattice_{covering()},
         out_{lattice_},
@@ -46,12 +48,15 @@ class Preparation {
     CLEAVE_CHECK(add_persistent());
     CLEAVE_CHECK(collect_polygons());
     touch_domain();
+    touch_surfaces();
+    touch_joints();
     CLEAVE_CHECK(make_polygons());
     if (snapper_.active()) snap_planes();
     unite_sheets();
     CLEAVE_CHECK(add_polygons());
     CLEAVE_CHECK(terminate());
     builder_.finish();
+    out_.roundings = roundings();
     out_.keep_dangling = input_.keep_dangling;
     out_.largest_snap = metres(snapper_.largest_move());
     out_.coarse_snap = snapper_.coarse();
@@ -130,6 +135,10 @@ class Preparation {
   void part_overlaps();
   void move(const Moves& moves);
   void touch_domain();
+  void touch_surfaces();
+  void touch_joints();
+  void move_beyond(SurfaceTouch& surfaces);
+  [[nodiscard]] std::vector<std::size_t> fixing(const JointPolygon& entry) const;
   Done make_polygons();
   Done make_polygon(std::size_t k);
   void set_fold(JointPolygon& entry) const;
@@ -137,17 +146,21 @@ class Preparation {
   bool rim_shared(const JointPolygon& entry) const;
   void snap_planes();
   void unite_sheets();
+  std::vector<std::optional<HalfSpace>> adopted_sides(std::size_t k);
   Done add_polygons();
   std::optional<Plane> behind(Index joint, LatticePoint middle) const;
   Done terminate();
 
   const CutInput& input_;
+  std::span<const Ending> endings_;
   Bounds domain_;
   exact::Lattice lattice_;
   Prepared out_;
   Snapper snapper_;
   FacetBuilder builder_;
   std::optional<DomainTouch> touch_;
+  SurfaceTouch surfaces_;             ///< of excavations, and of a domain that is not convex
+  std::vector<LatticePoint> beyond_;  ///< corners that were moved beyond these, sorted
   SharedCorners shared_;
   std::vector<JointPolygon> polygons_;
   std::vector<std::uint8_t> beside_;          ///< polygons that miss the window, or that snap has left nothing of

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "cleave/facets/prepared.hpp"
 
@@ -14,8 +15,9 @@ struct Gaps {
   std::uint64_t sides = 0;
   double largest = 0;                 ///< units of 2^48 sites
   Index first = none, second = none;  ///< facets of the largest
+  std::vector<Ending> endings;        ///< those that miss by roundings only
 
-  void add(const Gaps& other) noexcept;
+  void add(const Gaps& other);
 };
 
 /// Tells pairs of facets that nearly meet from those that are apart.

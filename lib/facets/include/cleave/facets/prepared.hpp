@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <expected>
@@ -69,6 +70,12 @@ struct HeldCorners {
   [[nodiscard]] bool common(std::initializer_list<Index> planes, int count) const;
 };
 
+/// A joint drawn to end on another one.
+struct Ending {
+  Index joint, other;
+  friend auto operator<=>(const Ending&, const Ending&) = default;
+};
+
 struct Prepared {
   explicit Prepared(const exact::Lattice& l) noexcept : lattice{l} {}
   exact::Lattice lattice;
@@ -93,9 +100,11 @@ struct Prepared {
   bool keep_dangling = false;  ///< draw the outlines of all joints
   bool has_sheets = false;     ///< some facets are pieces of folded polygons
   HeldCorners held;
-  double bend = 0;  ///< sites: the farthest that a corner of a sheet lies off its plane
+  double bend = 0;       ///< sites: the farthest that a corner of a sheet lies off its plane
+  double roundings = 0;  ///< sites: how far corners may be off where they were meant to be by roundings of doubles
 };
 
-[[nodiscard]] std::expected<Prepared, CutError> prepare(const CutInput& input);
+/// `endings`: what misses another joint by roundings goes just beyond it.
+[[nodiscard]] std::expected<Prepared, CutError> prepare(const CutInput& input, std::span<const Ending> endings = {});
 
 }  // namespace cleave::topology::detail

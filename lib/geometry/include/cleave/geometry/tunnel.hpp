@@ -110,13 +110,16 @@ using TunnelError = std::variant<NonPositiveDimension, HorseshoeTooLow, ArchTooH
 // ---- the solid
 // ----------------------------------------------------------------------------------------------------------
 
+/// What corners of tunnels and of slopes by plane or profile are rounded to (coarser beyond 4,000 km).
+inline constexpr Length opening_quantum = metres(0x1p-30);
+
 /// The space a tunnel takes, with tags wall, floor, crown, start, end (in this order, all present).
 ///
 /// `axis`: at least two points (m), the polyline through the centres of the section's bounding box; caps at right
 /// angles to its first and last segment, mitre planes at the bends (the section keeps its true shape across every
-/// segment). Points on a straight line add nothing. u = axis x v points to the right. Corners are rounded to 2^-30 m (1
-/// nm; coarser beyond 4,000 km), and the far corner of each side of a straight axis is the near corner plus exactly the
-/// same vector, so that sides stay exactly planar parallelograms on the cutter's lattice.
+/// segment). Points on a straight line add nothing. u = axis x v points to the right. Corners are rounded to
+/// `opening_quantum`, and the far corner of each side of a straight axis is the near corner plus exactly the same vector,
+/// so that sides stay exactly planar parallelograms on the cutter's lattice.
 [[nodiscard]] std::expected<Solid, TunnelError> make_tunnel(const Section& section, const std::vector<Vec3>& axis,
                                                             const TunnelOptions& options = {});
 

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "cleave/survey/analyse.hpp"
+
+/// What lines and windows say by themselves, whatever set their joints are in.
+namespace cleave::survey::detail {
+
+/// Frequency and RQD.
+[[nodiscard]] LineResult result_of(const LineSurvey& line, double confidence);
+
+/// Counts, intensities, lengths and nodes of the traces seen.
+[[nodiscard]] WindowResult result_of(const WindowSurvey& window, std::span<const SeenTrace> seen, double confidence);
+
+/// A map that was cut along its border has ends there, on this side or that by rounding, or as near as it was
+/// digitised: more of them than ends that fall there by chance.
+[[nodiscard]] std::optional<std::string> border_note(const WindowSurvey& window);
+
+}  // namespace cleave::survey::detail
