@@ -34,6 +34,84 @@ TEST(StepOrderTest, TheErrorFallsWithTheSquareOfTheStep) {
   EXPECT_NEAR(middle / fine, 4, 0.3);
 }
 
+/// Way of a block on a floor that shakes harmonically, at times 0.01 s apart: integrated on its own in short steps,
+/// parted where slip turns round.
+std::vector<double> shaken_exactly(double amplitude, double frequency, double mu, double duration) {
+  constexpr double h = 2e-6;
+  const double omega = 2 * std::numbers::pi * frequency;
+  std::vector<double> out;
+  double way = 0, speed = 0;
+  const auto steps = std::lround(duration / h);
+  for (long k = 0; k < steps; ++k) {
+    if (k % 5000 == 0) out.push_back(way);
+    const double drive = -amplitude * std::sin(omega * (static_cast<double>(k) + 0.5) * h);
+    const double from_rest = std::abs(drive) > mu * g ? drive - std::copysign(mu * g, drive) : 0;
+    double pull = speed != 0 ? drive - std::copysign(mu * g, speed) : from_rest, left = h;
+    if (speed != 0 && (speed + h * pull) * speed < 0) {  // it turns round, or stops
+      const double until = -speed / pull;
+      way += 0.5 * until * speed;
+      left = h - until;
+      speed = 0;
+      pull = from_rest;
+    }
+    way += left * (speed + 0.5 * left * pull);
+    speed += left * pull;
+  }
+  out.push_back(way);
+  return out;
+}
+
+struct Shaken {
+  double error = 0;  ///< largest at any of those times, over the largest way
+  std::size_t ends = 0, steps = 0;
+};
+Shaken shaken(double step, double amplitude, double frequency, double mu) {
+  const double omega = 2 * std::numbers::pi * frequency;
+  std::vector<Body> bodies{fixed("floor", rectangle(-5, -1, 10, 1)), block("block", rectangle(0, 0, 1, 0.1))};
+  WorldOptions options;
+  options.step = step;
+  options.displacement = 1;
+  options.ground = [=](double t) { return Vec2{amplitude * std::sin(omega * t), 0}; };
+  options.ground_mean = [=](double from, double to) {
+    return Vec2{amplitude * (std::cos(omega * from) - std::cos(omega * to)) / (omega * (to - from)), 0};
+  };
+  World world = World::make(bodies, law(mu), options).value();
+  const std::vector<double> exact = shaken_exactly(amplitude, frequency, mu, 1);
+  Shaken out;
+  double size = 0;
+  for (std::size_t k = 0; k < exact.size(); ++k) {
+    const double until = 0.01 * static_cast<double>(k);
+    while (world.time() < until - 1e-12) {
+      const auto report = world.step(until - world.time());
+      EXPECT_TRUE(report.has_value());
+      if (!report) return out;
+      out.ends += report->slip_ends > 0 ? 1U : 0U;
+      ++out.steps;
+    }
+    size = std::max(size, std::abs(exact[k]));
+    out.error = std::max(out.error, std::abs(world.displacement(1).x - exact[k]));
+  }
+  out.error /= size;
+  return out;
+}
+
+// Slip that stops, and slip that turns round at once, each twice a period: in steps that end with it.
+TEST(StepOrderTest, SlipThatTurnsRoundIsFollowedWithTheSquareOfTheStep) {
+  for (const auto& [amplitude, mu] : {std::pair{8.0, 0.2}, {8.0, 0.6}, {3.0, 0.2}}) {
+    const Shaken coarse = shaken(4e-3, amplitude, 5, mu), middle = shaken(2e-3, amplitude, 5, mu),
+                 fine = shaken(5e-4, amplitude, 5, mu);
+    EXPECT_LT(coarse.error, 1e-2) << amplitude << ' ' << mu;
+    EXPECT_LT(middle.error, 1.5e-3) << amplitude << ' ' << mu;
+    EXPECT_LT(fine.error, 1.5e-4) << amplitude << ' ' << mu;
+    EXPECT_LT(12 * fine.error, coarse.error) << amplitude << ' ' << mu;  // an eighth of the step: 64, of first order 8
+    RecordProperty(fmt::format("error_{}_{}", amplitude, mu),
+                   fmt::format("{:.2e} {:.2e} {:.2e}", coarse.error, middle.error, fine.error));
+    // Ten half periods, an end in each, and a step more for it.
+    EXPECT_GE(fine.ends, 9U);
+    EXPECT_LE(fine.steps, 2000U + 2 * fine.ends);
+  }
+}
+
 // A force at a corner that turns with its body turns it ever faster: the angle is exact, the path (Fresnel's integrals)
 // of second order.
 TEST(StepOrderTest, AFollowingForceTurnsAtHalfTheStep) {

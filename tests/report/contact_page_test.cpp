@@ -23,6 +23,7 @@ scene::ContactResult falling(std::size_t bodies, std::size_t frames) {
     body.freedoms = 3;
     body.start = body.centroid = at;
     body.outline = {at + Vec2{-1, -0.5}, at + Vec2{1, -0.5}, at + Vec2{1, 0.5}, at + Vec2{-1, 0.5}};
+    body.size = scene::size_of(body.outline);
     result.bodies.push_back(std::move(body));
   }
   for (std::size_t f = 0; f < frames; ++f) {
@@ -49,10 +50,24 @@ nlohmann::json data_of(const std::string& page) {
   return nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
 }
 
-// 1 % of a brick's size is 0.0224 m: it has fallen that far at 0.0675 s, and the frame at 0.07 s shows it.
+/// The frames as if they were the steps of the run.
+void note_frames(scene::ContactResult& result) {
+  for (std::size_t b = 0; b < result.bodies.size(); ++b) {
+    scene::ContactBodyResult& body = result.bodies[b];
+    body.moved_at.reset();
+    for (const scene::ContactFrame& frame : result.frames) {
+      note_step(body, Time::from_si(frame.time), frame.places[b], !frame.contacts.empty());
+      body.centroid = frame.places[b].centroid;
+      body.rotation = frame.places[b].rotation;
+    }
+  }
+}
+
+// 1 % of a brick's size is 0.0224 m: it has fallen that far at 0.0675 s, and the step to 0.07 s shows it.
 TEST(ContactPage, BeginsWithWhatBecameOfTheBodies) {
   scene::ContactResult result = falling(2, 20);
   result.bodies[0].fixed = true;
+  note_frames(result);
   scene::ContactVerdict verdict = verdict_of(result);
   EXPECT_EQ(verdict.moved(), 1U);
   EXPECT_EQ(verdict.motion, scene::BodyMotion::falls);
@@ -65,14 +80,18 @@ TEST(ContactPage, BeginsWithWhatBecameOfTheBodies) {
   EXPECT_LT(page.find(">verdict<"), page.find(">run<"));
 
   for (scene::ContactFrame& frame : result.frames) frame.contacts = {{.at = {}, .force = {}, .first = 0, .second = 1}};
+  note_frames(result);
   EXPECT_EQ(verdict_of(result).motion, scene::BodyMotion::slides);
   result.frames.back().places[1].rotation = 0.1;  // 5.7 degrees
+  note_frames(result);
   EXPECT_EQ(verdict_of(result).motion, scene::BodyMotion::topples);
   // A turn alone is a movement too: by 0.04 radians the corners go 2 % of the brick's size.
   scene::ContactResult turned = falling(1, 3);
   for (scene::ContactFrame& frame : turned.frames) frame.places[0].centroid = turned.bodies[0].start;
+  note_frames(turned);
   EXPECT_EQ(verdict_of(turned).moved(), 0U);
   turned.frames.back().places[0].rotation = 0.0402;
+  note_frames(turned);
   EXPECT_EQ(verdict_of(turned).since, Time::from_si(turned.frames.back().time));
   result.bodies[1].fixed = true;
   verdict = verdict_of(result);

@@ -93,6 +93,8 @@ TEST(ContactBolts, StepsThatDampASwingAreSaid) {
   EXPECT_TRUE(coarse.no_estimate.contains("swings with a period of")) << coarse.no_estimate;
   EXPECT_EQ(said(fine), 0);
   EXPECT_EQ(fine.bolts[0].state, BoltState::broken);
+  // It had come to its capacity when it broke, somewhere in a step, and to no more.
+  EXPECT_EQ(fine.bolts[0].largest, fine.bolts[0].capacity);
 }
 
 TEST(ContactBolts, TheyBreakYieldAndPressAsTheirNumbersSay) {
@@ -177,6 +179,8 @@ TEST(ContactBolts, WhatIsWrongWithThemIsSaid) {
       {good + "kind = \"cable\"\nfree_length = 1.5\nbond_strength = 1e5\n", "with no capacity at all"},
       {good + "kind = \"cabel\"\n" + grip, "did you mean \"cable\""},
       {good + grip + "lenght = 3\n", "bolt[1].lenght"},
+      {good + grip + "stretch = 1e-300\n", "bolt[1].stretch: is 1e-300; give a number from 0.001"},
+      {good + grip + "diameter = 1e-200\n", "bolt[1].diameter: is 1e-200; give a number from 0.0001"},
   };
   for (const auto& [text, want] : bad) {
     const std::string got = first_problem(at_rest + "[[bolt]]\n" + text + hanging);

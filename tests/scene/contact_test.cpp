@@ -101,7 +101,23 @@ TEST(ContactScene, BadInputIsNamed) {
            "[[body]]\nvelocity = [1, 0]\nsupport = [{ side = 1, kind = \"fixed\" }]\n" + square,
        "body[1].velocity: a clamped body starts at rest"},
       {motion + "[[body]]\nrepeat = { count = 2 }\n" + square, "repeat.shift: is missing"},
-      {motion + "points = [{ at = [9, 9] }]\n[[body]]\n" + square, "lies in no body"},
+      {motion + "points = [{ at = [9, 9] }]\n[[body]]\n" + square,
+       "points[1].at: (9, 9) lies in no body; the nearest is \"body 1\", 11.3 m away"},
+      {motion + "points = [{ at = [9, 9], body = \"body 1\" }]\n[[body]]\n" + square,
+       "points[1].at: (9, 9) lies outside \"body 1\", 11.3 m away; write a place on that body"},
+      {motion + "points = [{ at = [3, 0.5], body = \"body 1\" }]\n[[body]]\n" + square +
+           "[[body]]\nrectangle = { corner = [2.5, 0], width = 1, height = 1 }\n",
+       "(3, 0.5) lies outside \"body 1\", 2 m away, in \"body 2\""},
+      {motion + "points = [{ at = [2.3, 0.5], body = \"body 1\" }]\n[[body]]\n" + square +
+           "[[body]]\nrectangle = { corner = [2.5, 0], width = 1, height = 1 }\n",
+       "(2.3, 0.5) lies outside \"body 1\", 1.3 m away; the nearest is \"body 2\", 0.2 m away"},
+      {motion + "max_displacement = 1e-300\n[[body]]\n" + square,
+       "contact.max_displacement: is 1e-300; give a number from 1e-08 to 1"},
+      {"[rock]\nyoung = 1e9\npoisson = 0.2\n" + motion + "rigid = false\nelement = 1e-9\n[[body]]\n" + square,
+       "s.toml:8: contact.element: makes 4e+09 elements of \"body 1\", more than the 500 that a body may have"},
+      {"[rock]\nyoung = 1e9\npoisson = 0.2\n" + motion +
+           "rigid = false\n[[body]]\npolygon = { centre = [0, 0], radius = 1, sides = 501 }\n",
+       "body.outline: makes 501 elements of \"body 1\""},
       {motion + "points = [{ at = [0, 0], body = \"bode 1\" }]\n[[body]]\n" + square,
        "there is no body \"bode 1\"; did"},
       {motion + "points = [{ name = \"p\", at = [0, 0] }, { name = \"p\", at = [1, 0] }]\n[[body]]\n" + square,
@@ -120,6 +136,28 @@ TEST(ContactScene, BadInputIsNamed) {
   for (const auto& [text, want] : bad) {
     EXPECT_NE(first_problem(text).find(want), std::string::npos) << want << "\nbut: " << first_problem(text);
   }
+}
+
+// Of what a run will make; a rigid one makes none, whatever `element` says.
+TEST(ContactScene, ThePlanCountsTheElements) {
+  const auto text = [](const std::string& element, const std::string& rigid) {
+    return "[rock]\nyoung = 1e9\npoisson = 0.2\n[contact]\nduration = 0.01\nstep = 0.01\nelement = " + element +
+           "\nrigid = " + rigid +
+           "\n[[body]]\nrectangle = { corner = [0, 0], width = 2, height = 1 }\nrepeat = { count = 3, shift = [3, 0] "
+           "}\n"
+           "[[body]]\nrectangle = { corner = [0, 3], width = 1, height = 1 }\n";
+  };
+  const auto said = [](const Plan& plan) {
+    return std::ranges::find(plan.stages, Stage::contact, &PlannedStage::stage)->why;
+  };
+  const Plan coarse = make_plan(parsed(text("0.5", "false"))), fine = make_plan(parsed(text("0.02", "false")));
+  EXPECT_TRUE(said(coarse).contains("; 20 boundary elements in 2 shapes")) << said(coarse);
+  EXPECT_TRUE(said(fine).contains("; 500 boundary elements in 2 shapes")) << said(fine);
+  EXPECT_GT(fine.estimate.memory_mb, 50 * coarse.estimate.memory_mb);
+  EXPECT_GT(fine.estimate.seconds, 100 * coarse.estimate.seconds);
+  const auto freedoms = ran(text("0.5", "false")).bodies[0].freedoms;
+  EXPECT_EQ(freedoms, 60U);  // two nodes an element, two freedoms a node, 12 inner motions
+  EXPECT_EQ(first_problem(text("1e-9", "true")), "");
 }
 
 TEST(ContactScene, AFixedBodyWithASupportIsOneProblem) {
@@ -144,10 +182,13 @@ TEST(ContactScene, WhatIsLikelyASlipIsNoted) {
   EXPECT_TRUE(noted(motion + ground, "every body is fixed: nothing will move"));
   EXPECT_FALSE(noted(motion + ground + "[[body]]\n" + square, "nothing will move"));
   const std::string brief = "[contact]\nduration = 0.01\nstep = 0.01\n";
-  EXPECT_TRUE(noted(brief + "points = [{ at = [9, 9], body = \"b\" }]\n[[body]]\nname = \"b\"\n" + square,
-                    "lies outside \"b\": it moves as if it were a part of it"));
-  EXPECT_FALSE(
-      noted(brief + "points = [{ at = [1, 1], body = \"b\" }]\n[[body]]\nname = \"b\"\n" + square, "lies outside"));
+  const auto beside = [&](const std::string& at) {
+    return brief + "points = [{ at = " + at + ", body = \"b\" }]\n[[body]]\nname = \"b\"\n" + square;
+  };
+  const std::string outside = "lies outside \"b\": it moves as if it were a part of it";
+  EXPECT_TRUE(noted(beside("[1.01, 1]"), outside));  // in an open joint
+  EXPECT_FALSE(noted(beside("[1, 1]"), outside));
+  EXPECT_TRUE(first_problem(beside("[1.02, 1]")).contains("(1.02, 1) lies outside \"b\", 0.02 m away"));
   const auto soft = [&](const std::string& young) {
     return "[rock]\npoisson = 0.2\nyoung = " + young + "\n" + brief + "rigid = false\n[[body]]\n" + square;
   };
@@ -533,7 +574,7 @@ TEST(ContactScene, ABlockOnAMovingGroundSlidesAsNewmarksBlock) {
   const std::string harmonic =
       "gravity = [1.5, -9.7]\nground = { acceleration = [5, -4], time = { kind = \"harmonic\", frequency = 2 } }";
   EXPECT_GT(std::abs(steep), 0.01);
-  EXPECT_NEAR(moved(harmonic, 1e-3), steep, 2e-3 * std::abs(steep));
+  EXPECT_NEAR(moved(harmonic, 1e-3), steep, 5e-4 * std::abs(steep));
   // The same triangle as a pulse and as a record whose values lie where no step ends.
   GroundMotion pulse;
   pulse.amplitude = {-8, 0};
@@ -572,8 +613,8 @@ TEST(ContactScene, WhatHasSlippedKeepsTheWeakerResidualCohesion) {
           "[[body]]\nname = \"ground\"\nfixed = true\nrectangle = { corner = [-5, -1], width = 10, height = 1 }\n"
           "joint = \"a\"\n[[body]]\nrectangle = { corner = [-3, 0], width = 1, height = 0.4 }\njoint = \"b\"\n");
   ASSERT_TRUE(result.converged);
-  // All but the first step against 1 kN/m on 1,080 kg/m.
-  EXPECT_NEAR(result.bodies[1].centroid.x + 2.5, 0.32 * (4.905 - 1000.0 / 1080), 5e-3);
+  // Against 1 kN/m on 1,080 kg/m, from the start.
+  EXPECT_NEAR(result.bodies[1].centroid.x + 2.5, 0.32 * (4.905 - 1000.0 / 1080), 1e-6);
 }
 
 // A joint that has slipped holds by its residual friction only; one that has not keeps all it had.
@@ -590,8 +631,7 @@ TEST(ContactScene, WhatHasSlippedHoldsLess) {
   };
   EXPECT_NEAR(moved("[joints.default]\nfriction = 31\nresidual_friction = 10\n"), 0, 1e-9);
   EXPECT_NEAR(moved("[joints.default]\nfriction = 28\n"), slid(28), 1e-6);
-  // All but the first steps at 10 degrees.
-  EXPECT_NEAR(moved("[joints.default]\nfriction = 28\nresidual_friction = 10\n"), slid(10), 5e-3);
+  EXPECT_NEAR(moved("[joints.default]\nfriction = 28\nresidual_friction = 10\n"), slid(10), 1e-6);
   // The weaker of two joints counts here, too.
   const std::string two =
       "[joints.a]\nfriction = 28\nresidual_friction = 20\n[joints.b]\nfriction = 35\nresidual_friction = 10\n";
@@ -601,7 +641,7 @@ TEST(ContactScene, WhatHasSlippedHoldsLess) {
   const ContactResult result =
       ran("[contact]\nduration = 0.8\nstep = 0.001\ngravity = [4.905, -8.495709]\n" + two + floor +
           "[[body]]\nrectangle = { corner = [-3, 0], width = 1, height = 0.4 }\njoint = \"b\"\n");
-  EXPECT_NEAR(result.bodies[1].centroid.x + 2.5, slid(10), 5e-3);
+  EXPECT_NEAR(result.bodies[1].centroid.x + 2.5, slid(10), 1e-6);
 }
 
 // A block of 2 m on a joint, pushed at its foot; elastic ones share the joint among nine nodes.

@@ -257,14 +257,17 @@ std::optional<std::uint32_t> World::Impl::bond_at(const Touch& t) const {
 double World::Impl::cohesion_of(const Touch& t) const {
   if (const Bond* bond = bond_of(t)) return bond->cohesion;
   const auto at = bond_at(t);
-  return at && bonds[*at].broken && !bonds[*at].opened ? bonds[*at].residual : 0.0;
+  if (!at) return 0;
+  const Bond& bond = bonds[*at];
+  return (bond.broken && !bond.opened) || lost(*at) == Loss::by_slip ? bond.residual : 0.0;
 }
 
 const Bond* World::Impl::bond_of(const Touch& t) const {
   const auto at = bond_at(t);
   if (!at) return nullptr;
   const Bond& bond = bonds[*at];
-  return bond.broken || (!torn_now.empty() && torn_now[bond.section] != 0) ? nullptr : &bond;
+  const bool torn = !torn_now.empty() && torn_now[bond.section] != 0;
+  return bond.broken || torn || lost(*at) != Loss::none ? nullptr : &bond;
 }
 
 const JointLaw& World::Impl::law_of(const Touch& t) const {

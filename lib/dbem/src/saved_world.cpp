@@ -82,7 +82,7 @@ void archive(A& a, const Body& b) {
 namespace {
 
 constexpr std::string_view world_kind = "cleave-world";
-constexpr std::uint32_t version_of_saved = 1;
+constexpr std::uint32_t version_of_saved = 2;
 
 std::string identity_of(const World::Impl& w) {
   ArchiveWriter a;
@@ -95,7 +95,7 @@ std::string identity_of(const World::Impl& w) {
 template <class A>
 void archive_motion(A& a, Archived<World::Impl> auto& w) {
   a(w.time, w.next_step, w.calm_steps, w.seen_step, w.limit, w.state, w.fat, w.pairs, w.touches, w.choices, w.memory,
-    w.asleep, w.calm, w.contacts, w.energy, w.start_energy, w.last_change, w.hint, w.bars);
+    w.asleep, w.calm, w.contacts, w.energy, w.start_energy, w.last_change, w.hint, w.slip_ends_in_a_row, w.bars);
 }
 
 /// Bonds that broke, and groups that sleep numbered as they come: what of them changes.
@@ -219,6 +219,7 @@ std::expected<void, SavedFault> World::restore(std::string_view saved) {
   marks.step = w.options.step;
   if (marks != marks_of(w)) return std::unexpected(SavedFault::damaged);
   w.torn_now.clear();
+  w.lost_now.clear();
   w.place_all(w.state, w.corners, w.boxes);
   if (other_step) w.next_step = w.options.step;
   *impl_ = std::move(w);

@@ -155,7 +155,8 @@ void World::Impl::weaken(const Attempt& done) {
   }
   for (const std::uint32_t bond : done.broken) bonds[bond].broken = true;
   for (std::size_t b = 0; b < bonds.size(); ++b) {
-    const bool torn = !torn_now.empty() && torn_now[bonds[b].section] != 0;
+    const bool torn =
+        (!torn_now.empty() && torn_now[bonds[b].section] != 0) || lost(static_cast<std::uint32_t>(b)) == Loss::torn;
     if (bonds[b].broken && (closed[b] == 0 || torn)) bonds[b].opened = true;
   }
 }

@@ -20,6 +20,9 @@ constexpr double hidden = 1e-3;
 /// Share of what is left of a step's work that its first try may take, and each later one but the last.
 constexpr double share_of_first_try = 0.4, share_of_a_try = 0.15;
 
+/// Times a step is ended where slip does, and steps in a row that are: the next one takes all that is left as it comes.
+constexpr std::size_t most_slip_ends = 4;
+
 /// Velocities below this are none, m/s.
 constexpr double at_rest = 1e-9;
 
@@ -180,12 +183,14 @@ std::expected<StepReport, StepError> World::Impl::try_steps(double step, std::si
   // What a step may take is shared out: a try that resists leaves enough for shorter ones.
   double left = options.step_work * std::max(1.0, 0.01 * static_cast<double>(size()));
   double spent = 0;
-  std::size_t cut = 0;
+  SlipEnds ends;
+  std::size_t cut = 0, slip_ends = 0;
   for (int tries = 0;; ++tries) {
     Attempt trial;
     const double share = cut == options.cuts ? 1.0 : cut == 0 ? share_of_first_try : share_of_a_try;
     Work work{share * left};
-    const std::optional<Failure> failed = Trial{*this, step, cut, work, trial}.run();
+    ends.followed = slip_ends_in_a_row < most_slip_ends && slip_ends < most_slip_ends && spent < left;
+    const std::optional<Failure> failed = Trial{*this, step, cut, work, ends, trial}.run();
     spent += work.spent();
     left -= work.spent();
     if (!failed) {
@@ -194,15 +199,22 @@ std::expected<StepReport, StepError> World::Impl::try_steps(double step, std::si
       report.time = time + step;
       report.cuts = cut;
       report.shortened = shortened;
+      report.slip_ends = slip_ends;
       report.work = spent;
       report.contacts = trial.contacts.size();
       report.islands = trial.islands.size();
       report.broken = trial.broken.size();
       StepReport done = report;
+      slip_ends_in_a_row = slip_ends > 0 ? slip_ends_in_a_row + 1 : 0;
       choose_next_step(done);  // calm steps grow, cut ones are felt the next time too
       accept(std::move(trial));
       done.asleep = static_cast<std::size_t>(std::ranges::count(asleep, std::uint8_t{1}));
       return done;
+    }
+    if (failed->slip_ends) {
+      if (slip_ends++ == 0) ends.within = step;
+      step *= *failed->redo;
+      continue;
     }
     if (failed->redo == 1 && left > 0) {  // something woke
       look(next_step);
@@ -215,6 +227,7 @@ std::expected<StepReport, StepError> World::Impl::try_steps(double step, std::si
     }
     if (cut == options.cuts || failed->redo || left <= 0) {
       torn_now.clear();
+      lost_now.clear();
       return std::unexpected(StepFailed{time, step, failed->residual, failed->reason});
     }
     step /= 3;

@@ -18,11 +18,19 @@ constexpr auto no_group = static_cast<std::uint32_t>(-1);
 
 }  // namespace
 
-Trial::Trial(World::Impl& world, double step, std::size_t cut, Work& work, Attempt& out)
-    : w_{world}, step_{step}, cut_{cut}, work_{work}, out_{out}, list_{world.touches}, implicit_(world.size()) {
+Trial::Trial(World::Impl& world, double step, std::size_t cut, Work& work, const SlipEnds& slip_ends, Attempt& out)
+    : w_{world},
+      step_{step},
+      cut_{cut},
+      work_{work},
+      slip_ends_{slip_ends},
+      out_{out},
+      list_{world.touches},
+      implicit_(world.size()) {
   w_.hint.resize(w_.size());
   for (std::size_t b = 0; b < w_.size(); ++b) implicit_[b] = w_.hint[b] > 0 ? 1 : 0;
   w_.torn_now.assign(w_.sections.size(), 0);
+  w_.lost_now.assign(w_.bonds.size(), Loss::none);
   out_.bars = w_.bars;
   if (!w_.ties.empty()) pull_ties();
 }
@@ -36,6 +44,8 @@ std::optional<World::Impl::Failure> Trial::run() {
       solutions_.clear();  // other questions
       continue;
     }
+    if (bonds_gave_way()) continue;
+    if (const double share = until_slip_ends(); share != 1) return Failure{0, "", share, false, true};
     if (mean_rule_gained()) {
       ++out_.report.retries;
       continue;

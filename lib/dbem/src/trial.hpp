@@ -7,12 +7,18 @@
 
 namespace cleave::dbem {
 
+/// Whether a step is ended where slip comes to its end.
+struct SlipEnds {
+  bool followed = false;
+  double within = 0;  ///< length of the step that was tried first, s, of one that was shortened so; else 0
+};
+
 /// One try of a step: groups of touching bodies, the impulses between them, where these lead, and whether that may be
 /// believed. Done again with the contacts that come up on the way. Changes nothing of the world but what it remembers
-/// for later tries (`hint`, `torn_now`), and what it wakes.
+/// for later tries (`hint`, `torn_now`, `lost_now`), and what it wakes.
 class Trial final {
  public:
-  Trial(World::Impl& world, double step, std::size_t cut, Work& work, Attempt& out);
+  Trial(World::Impl& world, double step, std::size_t cut, Work& work, const SlipEnds& slip_ends, Attempt& out);
   /// Nothing: `out` is a step that holds.
   [[nodiscard]] std::optional<World::Impl::Failure> run();
 
@@ -27,6 +33,12 @@ class Trial final {
   [[nodiscard]] const ContactSolution* found_before(std::size_t group) const;
   /// Impulses of the round before of these contacts; empty when there are none.
   [[nodiscard]] std::vector<Vec2> impulses_before(const Island& island) const;
+  /// Bonds that do not carry what they are asked for: the step is solved again without them.
+  [[nodiscard]] bool bonds_gave_way();
+  /// Share of the step at which the first slip comes to its end, above 1 where a step that should end with it is too
+  /// short; 1: none does, or none that matters.
+  [[nodiscard]] double until_slip_ends() const;
+  [[nodiscard]] double until_slip_ends(std::size_t group) const;
   /// The mean rule lets a contact that opens and shuts again within a step, or slip that turns round, bring in energy
   /// of the order of (g step)^2: such groups are done again by the implicit rule, which cannot.
   [[nodiscard]] bool mean_rule_gained();
@@ -53,7 +65,6 @@ class Trial final {
   void note_contact(std::size_t group, std::size_t contact);
   /// Of bodies whose velocity is given.
   void note_given_work(const Rows& rows, std::size_t contact, Vec2 impulse);
-  void note_torn(const Touch& t, Vec2 impulse, Vec2 velocity, ContactState how, const Bond& bond);
   /// Work of the loads other than gravity, and what is left over at each body.
   void note_loads();
   void part();
@@ -63,6 +74,7 @@ class Trial final {
   double step_;
   std::size_t cut_;
   Work& work_;
+  SlipEnds slip_ends_;
   Attempt& out_;
   std::vector<Touch> list_;   // at the start of the step
   std::vector<Touch> moved_;  // where impulses act

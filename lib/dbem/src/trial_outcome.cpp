@@ -7,13 +7,20 @@
 
 /// What a step that was solved came to, and whether bodies share space after it.
 namespace cleave::dbem {
+namespace {
+
+/// Speed of slip before it turns round in a step, over its change, that does not count.
+constexpr double little_slip = 2e-3;
+
+}  // namespace
 
 void Trial::note_contacts() {
   for (std::size_t s = 0; s < out_.islands.size(); ++s) {
     for (std::size_t k = 0; k < out_.islands[s].touches.size(); ++k) note_contact(s, k);
   }
   for (std::uint32_t b = 0; b < w_.bonds.size(); ++b) {
-    if (!w_.bonds[b].broken && w_.torn_now[w_.bonds[b].section] != 0) out_.broken.push_back(b);
+    if (w_.bonds[b].broken) continue;
+    if (w_.torn_now[w_.bonds[b].section] != 0 || w_.lost(b) != Loss::none) out_.broken.push_back(b);
   }
 }
 
@@ -36,7 +43,8 @@ void Trial::note_contact(std::size_t group, std::size_t contact) {
   } else if (std::abs(p.y) / step_ >= bound * (1 - 1e-9)) {
     how = ContactState::slip;
   }
-  if (bond != nullptr) note_torn(t, p, now, how, *bond);
+  const bool turned = old.y * now.y < 0 && std::abs(old.y) > little_slip * std::abs(old.y - now.y);
+  out_.report.slip_turned = out_.report.slip_turned || (turned && how == ContactState::slip);
   const double feature = std::min(w_.shapes[t.i].feature, w_.shapes[t.j].feature);
   const auto place = w_.bond_at(t);
   if (place && t.gap + step_ * now.x < 1e-7 * feature) out_.closed.push_back(*place);
@@ -61,12 +69,27 @@ void Trial::note_given_work(const Rows& rows, std::size_t contact, Vec2 p) {
   }
 }
 
-void Trial::note_torn(const Touch& t, Vec2 impulse, Vec2 velocity, ContactState how, const Bond& bond) {
-  const double feature = std::min(w_.shapes[t.i].feature, w_.shapes[t.j].feature);
-  const bool torn = impulse.x / step_ <= -bond.tension && velocity.x * step_ > 1e-9 * feature;
-  const bool sheared = how == ContactState::slip && std::abs(velocity.y) * step_ > 1e-9 * feature;
-  if (!torn && !sheared) return;
-  out_.broken.push_back(std::ranges::lower_bound(w_.bond_keys, BondKey{t.i, t.vertex, t.j, 0})->bond);
+/// What slips or opens has lost its bond at once: it holds nothing in the step in which it does.
+bool Trial::bonds_gave_way() {
+  bool any = false;
+  for (std::size_t s = 0; s < out_.islands.size(); ++s) {
+    const std::vector<std::uint32_t>& touches = out_.islands[s].touches;
+    for (std::size_t k = 0; k < touches.size(); ++k) {
+      const Touch& t = list_[touches[k]];
+      const Bond* bond = w_.bond_of(t);
+      if (bond == nullptr) continue;
+      const Vec2 p = solutions_[s].impulse[k], velocity = w_.velocity_of(rows_[s], k, out_.state);
+      const double little = 1e-9 * std::min(w_.shapes[t.i].feature, w_.shapes[t.j].feature);
+      const double bound = w_.friction_of(moved_[touches[k]], bond) * p.x / step_ + w_.cohesion_of(t);
+      const bool torn = p.x / step_ <= -bond->tension && velocity.x * step_ > little;
+      const bool slips = p != Vec2{} && std::abs(p.y) / step_ >= bound * (1 - 1e-9);
+      if (!torn && !(slips && std::abs(velocity.y) * step_ > little)) continue;
+      w_.lost_now[*w_.bond_at(t)] = torn ? Loss::torn : Loss::by_slip;
+      any = true;
+    }
+  }
+  if (any) solutions_.clear();  // other questions
+  return any;
 }
 
 void Trial::note_loads() {

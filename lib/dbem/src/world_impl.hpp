@@ -77,6 +77,8 @@ struct Bond {
   bool broken = false;
   bool opened = false;  // nothing is left
 };
+/// How a bond is lost in a step.
+enum class Loss : std::uint8_t { none, by_slip, torn };
 /// A closed stretch of a joint between two bodies: bends as one.
 struct JointSection {
   double length;   // m
@@ -175,9 +177,11 @@ struct World::Impl {
   std::vector<Bond> bonds;
   std::vector<BondKey> bond_keys;
   std::vector<JointSection> sections;
-  std::vector<Mated> mated;            // sorted
-  std::vector<double> rides;           // of each body, how far joints can lift it; empty: nothing dilates
-  std::vector<std::uint8_t> torn_now;  // sections, in the step that is being tried
+  std::vector<Mated> mated;   // sorted
+  std::vector<double> rides;  // of each body, how far joints can lift it; empty: nothing dilates
+  // In the step that is being tried: sections that tear, and bonds that are lost. Empty: none.
+  std::vector<std::uint8_t> torn_now;
+  std::vector<Loss> lost_now;
   std::vector<Tie> ties;
   std::vector<std::array<BoundaryPoint, 2>> tie_places;  // nearest to their ends
   std::vector<Bar> bars;                                 // by tie
@@ -288,6 +292,7 @@ struct World::Impl {
   /// A force on a body as it lies at the start, that moves and turns with it.
   void push_at(std::uint32_t body, Vec2 point, Vec2 force);
   void add_bond(const Touch& t, const Bond& bond);
+  [[nodiscard]] Loss lost(std::uint32_t bond) const { return lost_now.empty() ? Loss::none : lost_now[bond]; }
   /// After a step: bonds that broke, and those of which nothing is left.
   void weaken(const Attempt& done);
   /// Marks the sections that do not carry what the contacts ask of them; false: none.
@@ -312,6 +317,7 @@ struct World::Impl {
     std::string reason;
     std::optional<double> redo = {};  // not a failure: with this share of the step; 1: with what woke
     bool clash = false;               // by bodies that would share space
+    bool slip_ends = false;           // `redo` ends the step where slip comes to its end
   };
   /// Work of the impulses on the velocities they leave behind, over the energy of the group: never positive for an
   /// exact answer of the implicit rule. 0 for other rules, and where contacts give back or are springs.
@@ -330,7 +336,8 @@ struct World::Impl {
   [[nodiscard]] bool bounces(const Island& island, const Touch& touch, double closing, double step) const;
   [[nodiscard]] double until_first_bounce(const std::vector<Touch>& list, const Island& island, const Rows& rows,
                                           const ContactSolution& found, double step) const;
-  std::vector<std::uint8_t> hint;  // steps for which a body's group stays with the implicit rule
+  std::uint32_t slip_ends_in_a_row = 0;  // steps that were ended so
+  std::vector<std::uint8_t> hint;        // steps for which a body's group stays with the implicit rule
   void accept(Attempt&& done);
 
   // parting.cpp

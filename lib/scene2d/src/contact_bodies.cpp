@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "cleave/bem/block.hpp"
+#include "contact_parts.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -91,12 +92,7 @@ std::expected<Shape, Problem> make_shape(const ContactScene& scene, std::size_t 
   bem::BlockOptions options;
   options.threads = threads;
   options.bubbles = 3;  // what weight and turning need; the contacts act on the boundary
-  options.mesh.element = settings.element;
-  if (!options.mesh.element) {
-    Box2 box;
-    for (const Vec2 p : body.corners) box.add(p);
-    options.mesh.element = std::max(box.high.x - box.low.x, box.high.y - box.low.y) / 4;
-  }
+  options.mesh.element = element_of(settings, body);
   auto made = bem::BlockOperator::make({bem::polygon(body.corners)}, *material, options);
   if (!made) return std::unexpected(refused(scene, index, describe(made.error())));
   Shape shape{&body, *std::move(made), {}, {}, {}, {}};
@@ -239,6 +235,16 @@ void load_rigid(const ContactBody& spec, dbem::Body& body) {
 }
 
 }  // namespace
+
+std::vector<std::size_t> shapes_of(const ContactScene& scene) {
+  std::vector<std::size_t> out;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    const ContactBody& body = scene.bodies[b];
+    const auto alike = [&](std::size_t shape) { return turn_between(scene.bodies[shape], body).has_value(); };
+    if (!body.fixed && std::ranges::none_of(out, alike)) out.push_back(b);
+  }
+  return out;
+}
 
 std::expected<PreparedBodies, std::vector<Problem>> prepare_bodies(const ContactScene& scene, bool elastic,
                                                                    unsigned threads) {

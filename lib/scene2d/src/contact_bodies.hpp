@@ -34,6 +34,9 @@ struct PreparedBodies {
 [[nodiscard]] std::expected<PreparedBodies, std::vector<Problem>> prepare_bodies(const ContactScene& scene,
                                                                                  bool elastic, unsigned threads);
 
+/// Bodies that share no operator with one before them, of those that would deform.
+[[nodiscard]] std::vector<std::size_t> shapes_of(const ContactScene& scene);
+
 /// Strengths of all pairs of joints: a side without a name takes the other's; of two names the weaker of each counts.
 [[nodiscard]] dbem::Laws laws_of(const ContactScene& scene);
 

@@ -19,6 +19,8 @@ using std::string_view;
 constexpr NumberRule bolt_force_rule = NumberRule{0, false, 1e12, false, " N"}.usually(1e3, 1e8);
 constexpr NumberRule grip_rule = NumberRule{0, false, 1e12, false, " N/m"}.usually(1e3, 1e9);
 constexpr NumberRule ductility_rule{0, false, 1e9, false, " m"};
+/// Less is no length between its ends beside the size of bodies.
+constexpr NumberRule stretch_rule{1e-3, false, 1e9, false, " m"};
 constexpr NumberRule install_rule{0, false, 1e12, false, " s"};
 
 /// Part of a bolt's line in one body, m from its head.
@@ -129,10 +131,10 @@ const KeyTable& contact_bolt_keys() {
           {"anchor_capacity", key::number(bolt_force_rule), "", "N, of mechanical"},
           {"free_length", key::number(rule::length_or_zero), "0", "m from the head that grips nothing, of cables"},
           {"anchorage", key::number(rule::length), "", "m of the anchor at the end, of mechanical"},
-          {"diameter", key::number(NumberRule{0, true, 10, false, " m"}.usually(0.005, 0.2)), "0.025",
+          {"diameter", key::number(NumberRule{1e-4, false, 10, false, " m"}.usually(0.005, 0.2)), "0.025",
            "m, of the steel"},
           {"young", key::number(young_rule), "200e9", "Pa, of the steel"},
-          {"stretch", key::number(rule::length), "0.5",
+          {"stretch", key::number(stretch_rule), "0.5",
            "m of a gripped bar that lengthen where a joint opens, half on either side of it"},
           {"ductility", key::number(ductility_rule), "0",
            "m that it lengthens at its capacity before it breaks; 0: it breaks there"},

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "cleave/bem/outline.hpp"
@@ -10,6 +11,13 @@ namespace cleave::scene {
 
 using bem::Vec2;
 
+namespace {
+
+/// Of one body: with all its modes it then takes 13 GB and some ten minutes.
+constexpr double most_elements = 500;
+
+}  // namespace
+
 bool holds(const ContactBody& body, Vec2 at) { return bem::inside({bem::polygon(body.corners)}, at); }
 
 bool lies_on(const ContactBody& body, Vec2 at) {
@@ -18,6 +26,38 @@ bool lies_on(const ContactBody& body, Vec2 at) {
     if (norm(at - a - std::clamp(dot(at - a, d) / dot(d, d), 0.0, 1.0) * d) <= 1e-6 * norm(d)) return true;
   }
   return false;
+}
+
+double element_of(const ContactSettings& settings, const ContactBody& body) {
+  if (settings.element) return *settings.element;
+  Box2 box;
+  for (const Vec2 p : body.corners) box.add(p);
+  return std::max(box.high.x - box.low.x, box.high.y - box.low.y) / 4;
+}
+
+double elements_of(const ContactSettings& settings, const ContactBody& body) {
+  const double element = element_of(settings, body);
+  double sum = 0;
+  for (std::size_t k = 0; k < body.corners.size(); ++k) {
+    const double side = norm(body.corners[(k + 1) % body.corners.size()] - body.corners[k]);
+    sum += std::max(1.0, std::ceil(side / element - 1e-9));
+  }
+  return sum;
+}
+
+/// The matrices of an elastic body grow with the square of its elements, and the time for them with the third power.
+void check_elements(const ContactScene& scene, const TableReader& contact, Problems& problems) {
+  if (!rigidity_of(scene).elastic) return;
+  for (const ContactBody& body : scene.bodies) {
+    const double count = body.fixed ? 0 : elements_of(scene.settings, body);
+    if (count <= most_elements) continue;
+    const bool given = scene.settings.element.has_value();
+    problems.error(given ? contact.line_of("element") : body.line, given ? "contact.element" : "body.outline",
+                   fmt::format("makes {:.6g} elements of \"{}\", more than the {:g} that a body may have", count,
+                               body.name, most_elements),
+                   given ? "write a longer one, or rigid = true" : "give it fewer corners, or write rigid = true");
+    return;
+  }
 }
 
 /// A point force acts where a body is; elastic bodies are known on their outlines only.

@@ -43,7 +43,7 @@ LongRun run_with(const ContactScene& scene, const WithLongerSteps& with, double 
     auto report = world->step(left < next * (1 + 1e-9) ? left : left < 2 * next ? left / 2 : left);
     if (!report) return out;
     ++out.steps;
-    out.something_hit = out.something_hit || report->impact;
+    out.something_hit = out.something_hit || report->impact || report->slip_turned;
     if (report->cuts == 0 && report->shortened == 0) next = std::max(next, report->step);
   }
   for (std::size_t b = 0; b < world->size(); ++b) out.outlines.push_back(world->outline(b));

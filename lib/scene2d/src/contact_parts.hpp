@@ -44,8 +44,14 @@ void parse_points(const TableReader& contact, ContactScene& scene);
 /// On the outline, up to what rounding of written coordinates makes.
 [[nodiscard]] bool lies_on(const ContactBody& body, bem::Vec2 at);
 
+/// Longest element of an elastic body, m.
+[[nodiscard]] double element_of(const ContactSettings& settings, const ContactBody& body);
+/// Elements of the outline of an elastic body; a number that no mesh may have where `element` is far too short.
+[[nodiscard]] double elements_of(const ContactSettings& settings, const ContactBody& body);
+
 // What is wrong with the bodies together; each reports it.
 void check_elastic(const ContactScene& scene, const TableReader& contact, Problems& problems);
+void check_elements(const ContactScene& scene, const TableReader& contact, Problems& problems);
 void check_forces(const ContactScene& scene, Problems& problems);
 void check_rest(const ContactScene& scene, Problems& problems);
 void check_overlaps(const ContactScene& scene, Problems& problems);

@@ -46,6 +46,7 @@ Recorder::Recorder(const ContactScene& scene, const PreparedBodies& prepared, co
     body.freedoms = (body.fixed || scene.bodies[b].clamped() ? 0U : 3U) + modes;
     body.start = body.centroid = world.centroid(b);
     body.outline = world.outline(b);
+    body.size = size_of(body.outline);
     result.bodies.push_back(std::move(body));
   }
   const dbem::Energy& energy = world.energy();
@@ -65,11 +66,12 @@ Recorder::Recorder(const ContactScene& scene, const PreparedBodies& prepared, co
   loaded_ = loaded_ || scene.settings.ground.has_value() || !scene.bolts.empty();
   tally_.largest.assign(world.ties().size(), 0.0);
   tally_.broken_at.resize(world.ties().size());
+  for (const dbem::Tie& tie : ties_of(scene)) capacities_.push_back(tie.capacity.si());
 }
 
 void Recorder::step(const dbem::StepReport& report) {
   ++result_.steps;
-  tally_.hit = tally_.hit || report.impact;
+  tally_.hit = tally_.hit || report.impact || report.slip_turned;
   result_.cut_steps += report.cuts;
   result_.end_time = report.time;
   result_.residual = std::max(result_.residual, report.residual);
@@ -83,8 +85,12 @@ void Recorder::step(const dbem::StepReport& report) {
   const std::vector<dbem::TieState> ties = world_.ties();
   for (std::size_t k = 0; k < ties.size(); ++k) {
     tally_.largest[k] = std::max(tally_.largest[k], ties[k].force.si());
-    if (ties[k].broken && !tally_.broken_at[k]) tally_.broken_at[k] = report.time;
+    if (!ties[k].broken || tally_.broken_at[k]) continue;
+    tally_.broken_at[k] = report.time;
+    // It carried that on its way there, within the step.
+    tally_.largest[k] = std::max(tally_.largest[k], capacities_[k]);
   }
+  bodies_moved(report.time);
   const dbem::Energy& energy = world_.energy();
   const double own = energy.total() - energy.work;
   result_.energy_gain = std::max(result_.energy_gain, own - tally_.lowest);
@@ -108,6 +114,31 @@ void Recorder::step(const dbem::StepReport& report) {
     const double now = world_.angular_momentum();
     const double size = std::max(std::abs(angular_), std::abs(now));
     if (size > 0) result_.drift_angular = std::max(result_.drift_angular, std::abs(now - angular_) / size);
+  }
+}
+
+void Recorder::bodies_moved(double time) {
+  touching_.assign(result_.bodies.size(), 0);
+  for (const dbem::Contact& contact : world_.contacts()) {
+    if (contact.state != dbem::ContactState::open) touching_[contact.vertex_body] = touching_[contact.edge_body] = 1;
+  }
+  for (std::size_t b = 0; b < result_.bodies.size(); ++b) {
+    ContactBodyResult& body = result_.bodies[b];
+    if (body.fixed || world_.asleep(b)) continue;
+    const ContactPlacement place{body.start + world_.displacement(b), world_.rotation(b)};
+    note_step(body, Time::from_si(time), place, touching_[b] != 0);
+    if (body.elastic) {
+      const std::vector<Vec2> corners = world_.outline(b);
+      for (std::size_t k = 0; k < corners.size(); ++k) {
+        body.largest = std::max(body.largest, norm(corners[k] - body.outline[k]));
+      }
+    } else {
+      for (const Vec2 p : body.outline) {
+        const Vec2 arm = p - body.start;
+        body.largest = std::max(body.largest, norm(world_.displacement(b) + rotated(arm, place.rotation) - arm));
+      }
+    }
+    result_.largest_displacement = std::max(result_.largest_displacement, body.largest);
   }
 }
 
@@ -145,14 +176,9 @@ void Recorder::frame(double time) {
     body.centroid = body.start + world_.displacement(b);
     body.rotation = world_.rotation(b);
     frame.places.push_back({body.centroid, body.rotation});
-    if (body.fixed) continue;
-    const auto corners = world_.outline(b);
-    for (std::size_t k = 0; k < corners.size(); ++k) {
-      body.largest = std::max(body.largest, norm(corners[k] - body.outline[k]));
-    }
-    result_.largest_displacement = std::max(result_.largest_displacement, body.largest);
-    if (body.elastic) frame.corners[b] = corners;
-    if (body.elastic && (scene_.output.vtu || scene_.output.csv)) frame.stress[b] = stress_of(b);
+    if (body.fixed || !body.elastic) continue;
+    frame.corners[b] = world_.outline(b);
+    if (scene_.output.vtu || scene_.output.csv) frame.stress[b] = stress_of(b);
   }
   for (const dbem::Contact& contact : world_.contacts()) {
     if (contact.state == dbem::ContactState::open) continue;

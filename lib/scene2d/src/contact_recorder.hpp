@@ -18,7 +18,7 @@ struct ContactTally {
   bem::Vec2 expected;                            ///< momentum that weight and supports gave
   std::vector<double> largest;                   ///< force of each tie, N/m
   std::vector<std::optional<double>> broken_at;  ///< s
-  bool hit = false;                              ///< something hit
+  bool hit = false;                              ///< something hit, or slip turned round: errors of first order
 };
 
 /// Follows a run and writes down what is asked for.
@@ -41,6 +41,8 @@ class Recorder final {
  private:
   [[nodiscard]] std::vector<bem::Vec2> displacements() const;
   void finish_bolts();
+  /// What a step made of the bodies.
+  void bodies_moved(double time);
   /// At the corners of an elastic body.
   [[nodiscard]] std::vector<NodeStress> stress_of(std::size_t body) const;
 
@@ -49,6 +51,8 @@ class Recorder final {
   const dbem::World& world_;
   ContactResult& result_;
   std::vector<bem::Vec2> local_;
+  std::vector<double> capacities_;      // of each tie, N/m
+  std::vector<std::uint8_t> touching_;  // bodies, after the last step
   ContactTally tally_;
   double gravity_ = 0, angular_ = 0;
   bem::Vec2 momentum_, weight_;

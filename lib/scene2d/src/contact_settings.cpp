@@ -26,6 +26,10 @@ constexpr auto solver_names = [] {
 constexpr NumberRule downwards_rule =
     rule::as_gravity({0, false, 1e3, false, " m/s2, downwards (a direction: [x, y])"});
 constexpr std::array<string_view, 1> auto_word{"auto"};
+/// Of a body's size: a point so near to it lies in an open joint, and moves with the body that it names.
+constexpr double in_a_gap = 0.01;
+/// Of the scene's extent, as a limit of the move in a step. Contacts are closed within 1e-9: less is no move.
+constexpr NumberRule move_rule{1e-8, false, 1, false, ""};
 
 const KeyTable& rock_strength_keys() {
   static const KeyTable keys{.name = "contact.strength",
@@ -66,6 +70,31 @@ std::optional<std::size_t> body_at(const std::vector<ContactBody>& bodies, Vec2 
     if (holds(bodies[b], at) || lies_on(bodies[b], at)) take(b);
   }
   return best;
+}
+
+/// From a point to the outline of a body, m.
+double distance_to(const ContactBody& body, Vec2 at) {
+  double least = 1e300;
+  for (std::size_t k = 0; k < body.corners.size(); ++k) {
+    const Vec2 a = body.corners[k], d = body.corners[(k + 1) % body.corners.size()] - a;
+    least = std::min(least, norm(at - a - std::clamp(dot(at - a, d) / dot(d, d), 0.0, 1.0) * d));
+  }
+  return least;
+}
+
+/// Of a point that lies in no body: which is nearest, but for `known`. Empty: there is none.
+std::string nearest_body(const std::vector<ContactBody>& bodies, Vec2 at, const ContactBody* known = nullptr) {
+  const ContactBody* best = nullptr;
+  double least = 1e300;
+  for (const ContactBody& body : bodies) {
+    const double d = distance_to(body, at);
+    if (d < least) {
+      least = d;
+      best = &body;
+    }
+  }
+  if (best == nullptr || best == known) return "";
+  return fmt::format("; the nearest is \"{}\", {:.3g} m away", best->name, least);
 }
 
 }  // namespace
@@ -191,13 +220,14 @@ const KeyTable& contact_keys() {
            "`open_close` (that of Fu 2014), `newton`, `continuation`, `lemke`, or all of them, cheapest first"},
           {"restitution", key::number({0, false, 1, false, ""}), "0",
            "of the normal velocity at impacts of rigid bodies"},
-          {"max_displacement", key::number({0, true, 1, false, ""}), "0.05",
+          {"max_displacement", key::number(move_rule), "0.05",
            "of the scene's extent: no corner moves further in one step", "largest_move"},
           {"points", key::tables(&history_point_keys), "[]",
            "`[{ name, at = [x, y], body }]`: histories in points.csv, summary.json and the report"},
           {"frames", key::whole(1, 5000), "120", "pictures kept for the animation and the VTU series"},
           {"plane", key::word<bem::PlaneState>(), "\"strain\"", "of elastic bodies: plane strain or plane stress"},
-          {"element", key::number(rule::length), "a quarter of the body", "m, longest element of elastic bodies"},
+          {"element", key::number(rule::length), "a quarter of the body",
+           "m, longest element of elastic bodies; a body has at most 500"},
           {"modes", key::whole(0, 10'000), "0", "of an elastic body; 0: all, which keeps static compliance exact"},
           {"estimate", key::flag(), "false",
            "true: an estimate of the error of the steps, by three more runs with steps up to 6.5 times as long"},
@@ -326,14 +356,26 @@ void parse_points(const TableReader& table, ContactScene& scene) {
         continue;
       }
       spec.body = static_cast<std::size_t>(body - scene.bodies.begin());
-      if (!holds(*body, *at) && !lies_on(*body, *at)) {
+      const bool beside = !holds(*body, *at) && !lies_on(*body, *at);
+      const double away = beside ? distance_to(*body, *at) : 0;
+      if (beside && away <= in_a_gap * size_of(body->corners).si()) {
         point.note("at", fmt::format("lies outside \"{}\": it moves as if it were a part of it", body->name),
                    "write the place at the start of the run");
+      } else if (beside) {
+        const auto other = body_at(scene.bodies, *at);
+        point.error("at",
+                    fmt::format("({:.6g}, {:.6g}) lies outside \"{}\", {:.3g} m away{}", at->x, at->y, body->name, away,
+                                other ? fmt::format(", in \"{}\"", scene.bodies[*other].name)
+                                      : nearest_body(scene.bodies, *at, &*body)),
+                    "write a place on that body at the start of the run, or name another body");
+        continue;
       }
     } else if (const auto body = body_at(scene.bodies, *at)) {
       spec.body = *body;
     } else {
-      point.error("at", "lies in no body", "move the point, or name its body");
+      point.error("at",
+                  fmt::format("({:.6g}, {:.6g}) lies in no body{}", at->x, at->y, nearest_body(scene.bodies, *at)),
+                  "write a place on a body at the start of the run");
       continue;
     }
     scene.points.push_back(std::move(spec));

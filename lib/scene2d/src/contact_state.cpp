@@ -1,6 +1,7 @@
 #include "contact_state.hpp"
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -42,7 +43,12 @@ void archive(A& a, Archived<ContactHistory> auto& h) {
 }
 template <class A>
 void archive(A& a, Archived<ContactBodyResult> auto& b) {
-  a(b.centroid, b.rotation, b.largest);
+  std::optional<double> moved_at;
+  if (b.moved_at) moved_at = b.moved_at->si();
+  a(b.centroid, b.rotation, b.largest, moved_at, b.touched, b.turned);
+  if constexpr (!std::is_const_v<std::remove_reference_t<decltype(b)>>) {
+    b.moved_at = moved_at ? std::optional{Time::from_si(*moved_at)} : std::nullopt;
+  }
 }
 template <class A>
 void archive(A& a, Archived<ContactResult> auto& r) {
@@ -79,7 +85,7 @@ void archive(A& a, const RockStrength& s) {
 namespace {
 
 constexpr std::string_view state_kind = "cleave-contact-state";
-constexpr std::uint32_t version_of_state = 1;
+constexpr std::uint32_t version_of_state = 2;
 
 /// Of what a state must agree with but the world does not know.
 std::string identity_of(const ContactScene& scene) {
@@ -136,6 +142,9 @@ std::optional<Problem> go_on_from(const SavedRun& saved, const ContactScene& sce
     bodies[b].centroid = read.bodies[b].centroid;
     bodies[b].rotation = read.bodies[b].rotation;
     bodies[b].largest = read.bodies[b].largest;
+    bodies[b].moved_at = read.bodies[b].moved_at;
+    bodies[b].touched = read.bodies[b].touched;
+    bodies[b].turned = read.bodies[b].turned;
   }
   read.bodies = std::move(bodies);
   if (!is_sound(read, scene.bodies.size(), scene.points.size()) || !(was.next > 0) ||

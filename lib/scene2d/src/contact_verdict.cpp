@@ -13,28 +13,14 @@ using bem::Vec2;
 constexpr double moves_from = 0.01;  // of a body's size
 constexpr double topples_from = 5;   // degrees
 
-/// Between the two corners farthest apart.
-double size_of(const ContactBodyResult& body) {
-  double size = 0;
-  for (std::size_t i = 0; i < body.outline.size(); ++i) {
-    for (std::size_t k = 0; k < i; ++k) size = std::max(size, norm(body.outline[i] - body.outline[k]));
-  }
-  return size;
-}
-
 /// How far a body, taken as rigid, is from its place at the start: its centroid, and its corners by their turn.
-double moved_by(const ContactBodyResult& body, const ContactPlacement& place, double size) {
-  return norm(place.centroid - body.start) + std::abs(place.rotation) * size / 2;
+double moved_by(const ContactBodyResult& body, const ContactPlacement& place) {
+  return norm(place.centroid - body.start) + std::abs(place.rotation) * body.size.si() / 2;
 }
 
-BodyMotion motion_of(const ContactResult& result, std::size_t frame, std::uint32_t body) {
-  const ContactFrame& first = result.frames[frame];
-  const bool touched =
-      std::ranges::any_of(first.contacts, [&](const ContactMark& c) { return c.first == body || c.second == body; });
-  double turned = 0;
-  for (const ContactFrame& f : result.frames) turned = std::max(turned, std::abs(f.places[body].rotation));
-  if (turned > topples_from * std::numbers::pi / 180) return BodyMotion::topples;
-  return touched ? BodyMotion::slides : BodyMotion::falls;
+BodyMotion motion_of(const ContactBodyResult& body) {
+  if (body.turned > topples_from * std::numbers::pi / 180) return BodyMotion::topples;
+  return body.touched ? BodyMotion::slides : BodyMotion::falls;
 }
 
 }  // namespace
@@ -48,27 +34,36 @@ std::string counts_of(const ContactVerdict& verdict) {
   return out;
 }
 
+Length size_of(const std::vector<Vec2>& outline) {
+  double size = 0;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) size = std::max(size, norm(outline[i] - outline[k]));
+  }
+  return Length::from_si(size);
+}
+
+void note_step(ContactBodyResult& body, Time time, const ContactPlacement& place, bool touches) {
+  body.turned = std::max(body.turned, std::abs(place.rotation));
+  if (body.moved_at || !(moved_by(body, place) > moves_from * body.size.si())) return;
+  body.moved_at = time;
+  body.touched = touches;
+}
+
 ContactVerdict verdict_of(const ContactResult& result) {
   ContactVerdict verdict;
   double farthest = 0;
   for (std::uint32_t b = 0; b < result.bodies.size(); ++b) {
     const ContactBodyResult& body = result.bodies[b];
-    const double size = size_of(body);
-    if (body.fixed || !(size > 0)) continue;
-    for (std::size_t f = 0; f < result.frames.size(); ++f) {
-      const ContactFrame& frame = result.frames[f];
-      if (moved_by(body, frame.places[b], size) <= moves_from * size) continue;
-      const BodyMotion motion = motion_of(result, f, b);
-      ++verdict.bodies[static_cast<std::size_t>(motion)];
-      const double far = moved_by(body, result.frames.back().places[b], size) / size;
-      const bool first = !verdict.since || frame.time < verdict.since->si();
-      if (first || (frame.time == verdict.since->si() && far > farthest)) {
-        verdict.since = Time::from_si(frame.time);
-        verdict.first = b;
-        verdict.motion = motion;
-        farthest = far;
-      }
-      break;
+    if (body.fixed || !body.moved_at) continue;
+    const BodyMotion motion = motion_of(body);
+    ++verdict.bodies[static_cast<std::size_t>(motion)];
+    const double far = moved_by(body, {body.centroid, body.rotation}) / body.size.si();
+    const bool first = !verdict.since || *body.moved_at < *verdict.since;
+    if (first || (*body.moved_at == *verdict.since && far > farthest)) {
+      verdict.since = body.moved_at;
+      verdict.first = b;
+      verdict.motion = motion;
+      farthest = far;
     }
   }
   verdict.known = result.converged || verdict.motion.has_value();

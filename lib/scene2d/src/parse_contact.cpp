@@ -436,6 +436,7 @@ std::expected<ContactScene, std::vector<Problem>> parse_contact(string_view text
     check_elastic(scene, contact, problems);
   }
   if (problems.errors() == 0) {
+    check_elements(scene, contact, problems);
     check_forces(scene, problems);
     check_rest(scene, problems);
     check_overlaps(scene, problems);

@@ -5,6 +5,8 @@
 
 #include "cleave/scene/plan_stages.hpp"
 #include "cleave/scene2d/contact.hpp"
+#include "contact_bodies.hpp"
+#include "contact_parts.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -40,6 +42,39 @@ double strain_of(const ContactScene& scene) {
     most = std::max(most, stress / *body.young);
   }
   return most;
+}
+
+/// What bodies that deform add to a run.
+struct Deforming {
+  std::size_t shapes = 0;
+  double elements = 0;  ///< of one body of each shape
+  double modes = 0;     ///< of all bodies
+  double memory_mb = 0, seconds = 0;
+};
+
+Deforming deforming_of(const ContactScene& scene) {
+  Deforming out;
+  // Two nodes an element, two freedoms a node; inner motions.
+  constexpr double inner = 12;
+  const auto freedoms_of = [&](const ContactBody& body) { return 4 * elements_of(scene.settings, body) + inner; };
+  const auto modes_of = [&](double freedoms) {
+    return scene.settings.modes ? std::min(static_cast<double>(*scene.settings.modes), freedoms) : freedoms;
+  };
+  for (const std::size_t shape : shapes_of(scene)) {
+    const double freedoms = freedoms_of(scene.bodies[shape]);
+    ++out.shapes;
+    out.elements += elements_of(scene.settings, scene.bodies[shape]);
+    // Measured: 60, 150 and 300 elements.
+    out.memory_mb += 3.8e-4 * freedoms * freedoms + 1.4e-6 * freedoms * freedoms * freedoms;
+    out.seconds += 4e-8 * freedoms * freedoms * freedoms;
+  }
+  for (const ContactBody& body : scene.bodies) {
+    if (body.fixed) continue;
+    const double freedoms = freedoms_of(body), modes = modes_of(freedoms);
+    out.modes += modes;
+    out.memory_mb += 0.01 + 8e-6 * freedoms * modes;
+  }
+  return out;
 }
 
 }  // namespace
@@ -83,7 +118,10 @@ Plan make_plan(const ContactScene& scene) {
     if (s.max_step > s.step) why += fmt::format(" and up to {:.3g} s", s.max_step);
   }
   why += fmt::format("; solver {}", dbem::name_of(s.solver));
-  if (!rigidity.elastic) why += "; no boundary elements, no vibrations";
+  const Deforming deforming = rigidity.elastic ? deforming_of(scene) : Deforming{};
+  why += rigidity.elastic ? fmt::format("; {:.6g} boundary elements in {} {}", deforming.elements, deforming.shapes,
+                                        deforming.shapes == 1 ? "shape" : "shapes")
+                          : "; no boundary elements, no vibrations";
   const bool bonded =
       std::ranges::any_of(scene.joints, [](const ContactJoint& j) { return j.cohesion > 0 || j.tension > 0; });
   if (!bonded) why += "; no bonds: no joint has cohesion or tension";
@@ -104,11 +142,9 @@ Plan make_plan(const ContactScene& scene) {
   // A contact a block and side; one warm solve a step.
   const auto blocks = static_cast<double>(moving);
   const double steps = s.duration / s.step;
-  const double freedoms = rigidity.elastic ? static_cast<double>(s.modes.value_or(60)) : 3.0;
-  plan.estimate.memory_mb =
-      20 + blocks * (rigidity.elastic ? 0.3 : 0.005) + 3e-5 * blocks * static_cast<double>(s.frames);
-  plan.estimate.seconds = blocks * (rigidity.elastic ? 0.05 : 0) +
-                          (s.to_rest ? std::min(steps, 2000.0) : steps) * blocks * (2e-5 + 2e-7 * freedoms);
+  plan.estimate.memory_mb = 20 + blocks * 0.005 + deforming.memory_mb + 3e-5 * blocks * static_cast<double>(s.frames);
+  plan.estimate.seconds =
+      deforming.seconds + (s.to_rest ? std::min(steps, 2000.0) : steps) * (blocks * 2.06e-5 + 2e-7 * deforming.modes);
   std::ranges::find(plan.stages, Stage::contact, &PlannedStage::stage)->seconds = plan.estimate.seconds;
   add_inputs(contact_scene_keys(), scene.given, plan);
   return plan;

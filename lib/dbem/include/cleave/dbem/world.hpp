@@ -137,6 +137,7 @@ struct StepReport {
   double step = 0;            ///< s
   std::size_t cuts = 0;       ///< times this step was shortened because it failed
   std::size_t shortened = 0;  ///< times it was shortened for displacement, rotation or gaps
+  std::size_t slip_ends = 0;  ///< times it was shortened to end where slip does
   std::size_t retries = 0;    ///< times it was redone with contacts that came up during it
   std::size_t contacts = 0, islands = 0, asleep = 0;
   std::size_t stick = 0, slip = 0, opened = 0, broken = 0;
@@ -151,6 +152,7 @@ struct StepReport {
   double max_displacement = 0;         ///< of a corner in this step, m
   double unbalanced = 0;  ///< largest force left over (mass times change of velocity over step) over the total weight
   bool impact = false;
+  bool slip_turned = false;  ///< slip turned round within the step, which was not ended there: an error of first order
 };
 
 /// Blocks in motion. Value type: a copy is a saved state, and `saved` is one as bytes.

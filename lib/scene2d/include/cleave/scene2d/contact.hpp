@@ -268,7 +268,7 @@ void fields(V& v, const ContactBoltResult& x) {
   v("state", one_of(name_of(x.state), {"absent", "slack", "holds", "yields", "broken"}),
     "at the end; absent: not installed yet");
   v("force_n", x.force, "tension of one bolt at the end");
-  v("largest_force_n", x.largest, "in any step");
+  v("largest_force_n", x.largest, "in any step; of one that broke no less than its capacity");
   v("capacity_n", x.capacity, "of one bolt at this joint");
   v("lengthened_m", x.lengthened, "for good");
   v("broken_at_s", x.broken_at);
@@ -292,9 +292,14 @@ struct ContactBodyResult {
   std::size_t freedoms = 0;
   bem::Vec2 start, centroid;       ///< at the start and at the end
   double rotation = 0;             ///< radians, turns counted
-  double largest = 0;              ///< m, displacement of its corners
+  double largest = 0;              ///< m, displacement of its corners, in any step
   std::vector<bem::Vec2> outline;  ///< at the start, as drawn
   bem::Vec2 force;                 ///< N/m: sum of the contact forces on it at the end
+  // Of all steps, whatever is drawn of them; see `note_step`.
+  Length size{};                 ///< between the two corners farthest apart
+  std::optional<Time> moved_at;  ///< end of the first step that left it farther from its start than 1 % of that
+  bool touched = false;          ///< something, at the end of that step
+  double turned = 0;             ///< the most of its rotation, to either side
 };
 struct ContactResult : Scene2dResult {
   std::uint64_t cut_steps = 0;
@@ -320,12 +325,17 @@ struct ContactResult : Scene2dResult {
   std::string state;         ///< what a later run goes on from, see SavedRun
 };
 
-/// What became of the bodies. One has moved that lies farther from its place at the start than `moves_from` of its
-/// size, its turn counted at half its size.
+/// Between the two corners farthest apart.
+[[nodiscard]] Length size_of(const std::vector<bem::Vec2>& outline);
+/// Takes a step into what is known of a body's motion: where it lies after it, and whether it touches anything then.
+void note_step(ContactBodyResult& body, Time time, const ContactPlacement& place, bool touches);
+
+/// What became of the bodies. One has moved that lay farther from its place at the start than `moves_from` of its size
+/// after some step, its turn counted at half its size.
 enum class BodyMotion : std::uint8_t {
   slides,
   topples,  ///< turned by more than 5 degrees
-  falls,    ///< touched nothing when it had moved
+  falls,    ///< touched nothing after the first step in which it had moved
 };
 inline constexpr std::string_view name_of(BodyMotion motion) {
   return motion == BodyMotion::slides ? "slides" : motion == BodyMotion::topples ? "topples" : "falls";
@@ -333,9 +343,9 @@ inline constexpr std::string_view name_of(BodyMotion motion) {
 struct ContactVerdict {
   bool known = true;                      ///< false: the run stopped before anything moved
   std::array<std::uint64_t, 3> bodies{};  ///< how many moved, by BodyMotion
-  /// Of the body that moved first; of several in one frame the one that went farthest for its size. Empty: none moved.
+  /// Of the body that moved first; of several in one step the one that went farthest for its size. Empty: none moved.
   std::optional<BodyMotion> motion;
-  std::optional<Time> since;  ///< the frame that shows it moved
+  std::optional<Time> since;  ///< end of the step in which it had
   std::uint32_t first = 0;    ///< that body, where `since` says so
   [[nodiscard]] std::uint64_t moved() const { return bodies[0] + bodies[1] + bodies[2]; }
 };
@@ -344,7 +354,7 @@ inline constexpr std::string_view name_of(const ContactVerdict& verdict) {
 }
 /// "2 slid, 1 toppled".
 [[nodiscard]] std::string counts_of(const ContactVerdict& verdict);
-/// By the frames of the run; of a run that stopped, up to where it came.
+/// By all steps of the run; of a run that stopped, up to where it came.
 [[nodiscard]] ContactVerdict verdict_of(const ContactResult& result);
 
 /// Section `contact`.
@@ -361,11 +371,11 @@ void scene2d_fields(V& v, const ContactResult& x) {
       w("bodies_slid", verdict.bodies[0]);
       w("bodies_toppled", verdict.bodies[1], "turned by more than 5 degrees");
       w("bodies_fell", verdict.bodies[2], "touched nothing when they had moved");
-      w("moved_since_s", verdict.since, "the first frame that shows a body moved");
+      w("moved_since_s", verdict.since, "end of the first step after which a body had moved");
       w("moved_first", when(verdict.since.has_value(), name_of_first), "which body that is");
       w("steps", x.steps);
       w("residual", x.residual, "of the contact law, relative; the worst of all steps");
-      w("max_displacement_m", x.largest_displacement, "of a corner, in any frame");
+      w("max_displacement_m", x.largest_displacement, "of a corner, after any step");
       w("estimated_error", when(x.error.has_value(), x.error.value_or(0)),
         "of the places of all corners at the end, over the largest displacement, from runs with longer steps");
       w("no_estimate", when(!x.error && !x.no_estimate.empty(), x.no_estimate), "why there is no estimate");
