@@ -107,11 +107,21 @@ std::vector<Problem> misplaced_loads(const Scene& scene, const SampledScene& dra
   std::vector<Problem> problems;
   const auto look = [&](const LoadSet& loads, const std::string& where) {
     for (const stability::Misplaced& m : stability::misplaced(complex, actions_of(drawn, loads))) {
-      const bool point = m.kind == stability::Misplaced::Kind::point;
+      using enum stability::Misplaced::Kind;
+      if (m.kind == surcharge) {
+        if (scene.sequence) continue;  // what it loads may be taken out by a later stage
+        problems.push_back(
+            {scene.shown, loads.line, fmt::format("{}surcharge[{}]", where, m.index + 1),
+             "loads nothing: no free face lies there",
+             "name a face of the domain that is free, or the excavation whose wall it is, or correct "
+             "`within`; where an opening goes along a face of the domain, the wall is that of the opening"});
+        continue;
+      }
+      const bool at_point = m.kind == point;
       problems.push_back({scene.shown, loads.line,
-                          fmt::format("{}{}[{}]", where, point ? "point" : "line", m.index + 1),
-                          point ? fmt::format("lies {:.3g} m off the nearest free face", m.off.si())
-                                : fmt::format("{:.3g} m of it lie on no free face", m.off.si()),
+                          fmt::format("{}{}[{}]", where, at_point ? "point" : "line", m.index + 1),
+                          at_point ? fmt::format("lies {:.3g} m off the nearest free face", m.off.si())
+                                   : fmt::format("{:.3g} m of it lie on no free face", m.off.si()),
                           "forces act on free faces: move it onto one"});
     }
   };

@@ -23,7 +23,7 @@ namespace cleave::scene {
 [[nodiscard]] SequenceResult judge_stages(const Scene& scene, const topology::SequentialCut& cut,
                                           const topology::StageBlocks& final_state, const Judge& judge);
 
-/// Point and line forces of the base case and of the named ones that lie on no free face of the complex.
+/// Loads of the base case and of the named ones that lie on no free face of the complex.
 [[nodiscard]] std::vector<Problem> misplaced_loads(const Scene& scene, const SampledScene& drawn,
                                                    const topology::BlockComplex& complex);
 

@@ -19,6 +19,10 @@ double grip_in(const Bolt& bolt, const Pierced& p) { return gripped_length(bolt.
 }  // namespace
 
 Grip grip_of(const BoltResult& bolt, BlockId block) {
+  return grip_of(bolt, block, [](BlockId) { return true; });
+}
+
+Grip grip_of(const BoltResult& bolt, BlockId block, const std::function<bool(BlockId)>& stays) {
   Grip grip;
   bool found = false;
   for (const Pierced& p : bolt.pierced) {
@@ -28,7 +32,7 @@ Grip grip_of(const BoltResult& bolt, BlockId block) {
       grip.gripped += grip_in(bolt.bolt, p);
       grip.last = p.to;
       grip.behind = 0;
-    } else if (found) {
+    } else if (found && stays(p.block)) {
       grip.behind += grip_in(bolt.bolt, p);
     }
   }

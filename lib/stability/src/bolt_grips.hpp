@@ -20,6 +20,9 @@ struct Grip {
   double behind = 0;  ///< m gripped in rock beyond it
 };
 [[nodiscard]] Grip grip_of(const BoltResult& bolt, topology::BlockId block);
+/// The same, `behind` in rock that `stays` alone.
+[[nodiscard]] Grip grip_of(const BoltResult& bolt, topology::BlockId block,
+                           const std::function<bool(topology::BlockId)>& stays);
 /// Held by the plate or over the anchorage length.
 [[nodiscard]] bool gripped(const Grip& grip, const BoltType& type);
 

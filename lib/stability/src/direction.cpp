@@ -92,10 +92,10 @@ Sign orientation(const Direction& a, const Direction& b, const Direction& c) noe
   // absolute values is at most the product of the rows' 1-norms, 3 sqrt 3. 20 * 5.2 u < 2^-46.
   const double value = geometry::dot(geometry::cross(a.unit(), b.unit()), c.unit());
   if (std::abs(value) <= a.rounding() + b.rounding() + c.rounding()) {
-    const double reach = a.rounding() * geometry::norm(geometry::cross(b.unit(), c.unit())) +
-                         b.rounding() * geometry::norm(geometry::cross(a.unit(), c.unit())) +
-                         c.rounding() * geometry::norm(geometry::cross(a.unit(), b.unit()));
-    if (std::abs(value) < reach) return Sign::zero;
+    const double turned = a.rounding() * geometry::norm(geometry::cross(b.unit(), c.unit())) +
+                          b.rounding() * geometry::norm(geometry::cross(a.unit(), c.unit())) +
+                          c.rounding() * geometry::norm(geometry::cross(a.unit(), b.unit()));
+    if (std::abs(value) < turned) return Sign::zero;
   }
   if (std::abs(value) > 0x1p-46) return value > 0 ? Sign::positive : Sign::negative;
   if (bits(a.components()) + bits(b.components()) + bits(c.components()) + 3 < 127) {

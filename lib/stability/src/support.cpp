@@ -207,8 +207,11 @@ class Check final {
 
   /// What a bolt can do for a block: nothing (why in `status`), or a force.
   [[nodiscard]] BoltForce action(const BoltResult& bolt, BlockId block, BoltStatus& status) const {
-    const Grip grip = grip_of(bolt, block);
     const BoltType& type = bolt.bolt.type;
+    // What comes down by itself anchors nothing, unless it is one body with what hangs on it: then step 2 judges that.
+    const Grip grip = grip_of(bolt, block, [&](BlockId behind) {
+      return !comes_down(behind) || (can_be_member(behind) && gripped(grip_of(bolt, behind), type));
+    });
     const bool plate = grip.collar && type.plate > newtons(0);
     status = BoltStatus::too_short;
     if (!anchors(type, grip.behind)) return {{}, BoltLimit::anchor};
@@ -357,6 +360,13 @@ class Check final {
     }
   }
 
+  /// A key block of any batch, or one that lacks something of its target.
+  [[nodiscard]] bool comes_down(BlockId id) const {
+    if (needy_[id] != none) return true;
+    const Judgement* judged = judgement_of(id);
+    return judged != nullptr && judged->key;
+  }
+
   /// A block of step 2 that may move: fixed ones stay whatever they are bolted to.
   [[nodiscard]] bool can_be_member(BlockId id) const {
     return !complex_->blocks()[id].fixed && (!plan_->key_only || needy_[id] != none);
@@ -375,7 +385,7 @@ class Check final {
     for (std::uint32_t number = 0; number < result_.bolts.size(); ++number) {
       const BoltResult& bolt = result_.bolts[number];
       const BoltType& type = bolt.bolt.type;
-      const BodyGrip grip = grip_of(bolt, members, [&](BlockId id) { return !can_be_member(id); });
+      const BodyGrip grip = grip_of(bolt, members, [&](BlockId id) { return !can_be_member(id) && !comes_down(id); });
       if (!grip.gripped || !anchors(type, grip.anchored)) continue;
       const Capacity tension = capacity(type, grip.collar && type.plate > newtons(0), grip.inside, grip.anchored);
       const BoltForce held = force_against(bolt.bolt, tension, anchors(type, grip.inside), motion);

@@ -121,6 +121,17 @@ std::vector<Piece> pieces_of(const BlockComplex& complex, const LineForce& line)
   return pieces;
 }
 
+/// The part of a face that a surcharge acts on.
+Moments loaded(const BlockComplex& complex, const Face& face, const Surcharge& load) {
+  if (!lies_on(face, load.on)) return {};
+  if (!load.within) return {face.area.si(), face.area.si() * face.centroid};
+  Moments area;
+  for (const SignedTriangle& t : fan(complex, face)) {
+    area += t.sign * integrate(within({t.corners.begin(), t.corners.end()}, *load.within));
+  }
+  return area;
+}
+
 }  // namespace
 
 IdVector<BlockId, ForceSum> surface_forces(const BlockComplex& complex, const Actions& actions) {
@@ -130,15 +141,7 @@ IdVector<BlockId, ForceSum> surface_forces(const BlockComplex& complex, const Ac
   sums = IdVector<BlockId, ForceSum>(complex.blocks().size());
   for (const Surcharge& load : spec.surcharges) {
     for (const Face& face : complex.faces()) {
-      if (!lies_on(face, load.on)) continue;
-      Moments area;
-      if (load.within) {
-        for (const SignedTriangle& t : fan(complex, face)) {
-          area += t.sign * integrate(within({t.corners.begin(), t.corners.end()}, *load.within));
-        }
-      } else {
-        area = {face.area.si(), face.area.si() * face.centroid};
-      }
+      const Moments area = loaded(complex, face, load);
       if (!(area.total > 0)) continue;
       const Vec3 centre = area.first / area.total;
       const Vec3 traction = load.traction - load.pressure.si() * face.outward;
@@ -166,6 +169,11 @@ IdVector<BlockId, ForceSum> surface_forces(const BlockComplex& complex, const Ac
 std::vector<Misplaced> misplaced(const BlockComplex& complex, const Actions& actions) {
   std::vector<Misplaced> out;
   const ActionSpec& spec = actions.spec();
+  for (std::size_t i = 0; i < spec.surcharges.size(); ++i) {
+    const bool any = std::ranges::any_of(
+        complex.faces(), [&](const Face& face) { return loaded(complex, face, spec.surcharges[i]).total > 0; });
+    if (!any) out.push_back({Misplaced::Kind::surcharge, i, {}});
+  }
   for (std::size_t i = 0; i < spec.points.size(); ++i) {
     const double off = nearest_free_face(complex, spec.points[i].at).distance;
     if (off > reach) out.push_back({Misplaced::Kind::point, i, metres(off)});

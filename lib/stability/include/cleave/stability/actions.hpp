@@ -86,11 +86,11 @@ class Actions final {
   ActionSpec spec_;
 };
 
-/// Where point and line forces found no free face.
+/// Where forces found no free face.
 struct Misplaced {
-  enum class Kind : std::uint8_t { point, line } kind;
-  std::size_t index;  ///< into points or lines
-  Length off;         ///< distance of the point; length of the line that lies on no free face
+  enum class Kind : std::uint8_t { surcharge, point, line } kind;
+  std::size_t index;  ///< into surcharges, points or lines
+  Length off;         ///< distance of the point; length of the line that lies on no free face; of surcharges nothing
 };
 [[nodiscard]] std::vector<Misplaced> misplaced(const topology::BlockComplex& complex, const Actions& actions);
 
