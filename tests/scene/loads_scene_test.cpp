@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -136,6 +137,20 @@ TEST(LoadsSceneTest, ForcesOffTheRockAreRefused) {
   EXPECT_EQ(
       describe(result.error()[0]),
       "s.toml:3: stability.point[1]: lies 1 m off the nearest free face; forces act on free faces: move it onto one");
+}
+
+TEST(LoadsSceneTest, SurchargesThatLoadNothingAreRefused) {
+  for (const std::string_view load :
+       {"{ on = \"top\", within = { min = [50, 50, 0], max = [60, 60, 9] }, pressure = 1 }",
+        "{ on = \"x_max\", pressure = 1 }"}) {
+    const Scene scene = scene_of(with_box(fmt::format("[stability]\nfree = [\"top\"]\nsurcharge = [{}]\n", load)));
+    StageTimer timer;
+    Progress progress{ProgressStyle::quiet};
+    const auto result = run(scene, {}, timer, progress);
+    ASSERT_FALSE(result.has_value()) << load;
+    EXPECT_NE(describe(result.error().at(0)).find("stability.surcharge[1]: loads nothing: no free face lies there"),
+              std::string::npos);
+  }
 }
 
 TEST(LoadsSceneTest, MistakesAreToldByKey) {

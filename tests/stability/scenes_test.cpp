@@ -5,12 +5,14 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <set>
 
 #include "audited.hpp"
 #include "cleave/core/rng.hpp"
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/geometry/solid.hpp"
+#include "cleave/geometry/tunnel.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/topology/audit.hpp"
 #include "cleave/topology/cut.hpp"
@@ -244,38 +246,55 @@ TEST(ScenesTest, LawsOnRandomRock) {
   EXPECT_GT(key, 60U);
 }
 
-// A drawer in a wall, between joints that were drawn parallel in any direction: their doubles are parallel to a
-// rounding only, and whatever that is the drawer slides out.
+/// A prism in a wall that looks `out`: sides through these corners (across, up) along `out`, its back 3 m behind a room
+/// before the wall.
+struct Frame {
+  Vec3 at, out, across, up;
+  Vec3 operator()(double a, double b, double c) const { return at + a * out + b * across + c * up; }
+};
+Frame frame(Vec3 at, double dip, double azimuth) {
+  const double d = dip * std::numbers::pi / 180;
+  const Vec3 ahead = geometry::upward_normal(plane(90, azimuth));
+  const Vec3 out = std::cos(d) * ahead - Vec3{0, 0, std::sin(d)};
+  const Vec3 across = cross(out, std::sin(d) * ahead + Vec3{0, 0, std::cos(d)});
+  return {at, out, across, cross(across, out)};
+}
+topology::CutInput prism(const Frame& at, const std::vector<std::array<double, 2>>& corners) {
+  topology::CutInput input{.domain = geometry::make_box(at.at - Vec3{10, 10, 10}, at.at + Vec3{10, 10, 10}).value(),
+                           .joints = {},
+                           .excavations = {},
+                           .free_domain_tags = {}};
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const auto [b, c] = corners[k];
+    const auto [to_b, to_c] = corners[(k + 1) % corners.size()];
+    const double x = 0.3 * (to_b - b), y = 0.3 * (to_c - c);
+    input.joints.emplace_back(
+        polygon({at(-4, b - x, c - y), at(2, b - x, c - y), at(2, to_b + x, to_c + y), at(-4, to_b + x, to_c + y)}));
+  }
+  input.joints.emplace_back(polygon({at(-3, -3, -3), at(-3, 3, -3), at(-3, 3, 3), at(-3, -3, 3)}));
+  std::vector<Vec3> room;
+  for (const double a : {0.0, 3.0}) {
+    for (const auto& [b, c] : std::array<std::array<double, 2>, 4>{{{-4, -4}, {4, -4}, {4, 4}, {-4, 4}}}) {
+      room.push_back(at(a, b, c));
+    }
+  }
+  std::vector<geometry::SolidFace> faces{{{0, 3, 2, 1}, 0}, {{4, 5, 6, 7}, 0}};
+  for (std::uint32_t i = 0; i < 4; ++i) faces.push_back({{i, (i + 1) % 4, (i + 1) % 4 + 4, i + 4}, 0});
+  if (dot(cross(at.across, at.up), at.out) < 0) {
+    for (auto& face : faces) std::ranges::reverse(face.corners);
+  }
+  input.excavations.push_back(geometry::Solid::make(std::move(room), std::move(faces)).value());
+  return input;
+}
+
+// Joints that were drawn parallel, or through one line, in any direction: their doubles are so to a rounding only, and
+// whatever that is the prism between them slides out, or falls, with the same factor.
 TEST(ScenesTest, WhatIsDrawnParallelDoesNotTaper) {
   Rng draw{11};
   for (int k = 0; k < 100; ++k) {
-    const double azimuth = 360 * draw.uniform(), dip = 10 + 30 * draw.uniform(), x = 40 * draw.uniform();
-    const Vec3 east = geometry::upward_normal(plane(90, azimuth)), north = cross(Vec3{0, 0, 1}, east);
-    const Vec3 out = std::cos(dip * std::numbers::pi / 180) * east - Vec3{0, 0, std::sin(dip * std::numbers::pi / 180)};
-    const Vec3 up = cross(out, north);
-    const Vec3 sense = up.z < 0 ? -up : up;
-    const auto at = [&](double a, double b, double c) { return Vec3{x, -x, 7} + a * out + b * north + c * sense; };
-    // A half-space is taken out in front; the drawer is 2 m wide, 1 m high and 3 m deep.
-    const auto side = [&](double b) { return polygon({at(-4, b, -2), at(2, b, -2), at(2, b, 2), at(-4, b, 2)}); };
-    const auto flat = [&](double c) { return polygon({at(-4, -2, c), at(2, -2, c), at(2, 2, c), at(-4, 2, c)}); };
-    topology::CutInput input{.domain = geometry::make_box({x - 10, -x - 10, -3}, {x + 10, -x + 10, 17}).value(),
-                             .joints = {side(-1), side(1), flat(0), flat(1),
-                                        polygon({at(-3, -2, -1), at(-3, 2, -1), at(-3, 2, 2), at(-3, -2, 2)})},
-                             .excavations = {},
-                             .free_domain_tags = {}};
-    std::vector<Vec3> front;
-    for (const double a : {0.0, 3.0}) {
-      for (const auto& [b, c] : std::array<std::array<double, 2>, 4>{{{-3, -3}, {3, -3}, {3, 3}, {-3, 3}}}) {
-        front.push_back(at(a, b, c));
-      }
-    }
-    std::vector<geometry::SolidFace> faces{{{0, 1, 2, 3}, 0}, {{7, 6, 5, 4}, 0}};
-    for (std::uint32_t i = 0; i < 4; ++i) faces.push_back({{(i + 1) % 4, i, i + 4, (i + 1) % 4 + 4}, 0});
-    if (dot(cross(out, north), sense) > 0) {
-      for (auto& face : faces) std::ranges::reverse(face.corners);
-    }
-    input.excavations.push_back(geometry::Solid::make(std::move(front), std::move(faces)).value());
-    const auto cut = audited(input);
+    const double dip = 10 + 30 * draw.uniform(), x = 40 * draw.uniform();
+    const auto cut =
+        audited(prism(frame({x, -x, 7}, dip, 360 * draw.uniform()), {{-1, -0.5}, {1, -0.5}, {1, 0.5}, {-1, 0.5}}));
     const Analysis analysis = analyse(cut, rock({strength(5)}));
     ASSERT_EQ(cut.complex().blocks().size(), 2U) << k;
     ASSERT_EQ(analysis.batches.size(), 1U) << k;
@@ -284,6 +303,65 @@ TEST(ScenesTest, WhatIsDrawnParallelDoesNotTaper) {
         << k << ": it leans on a side by a rounding";
     EXPECT_NEAR(drawer.factor_of_safety, std::tan(5 * std::numbers::pi / 180) / std::tan(dip * std::numbers::pi / 180),
                 1e-9);
+  }
+}
+
+TEST(ScenesTest, WhatIsDrawnThroughOneLineDoesNotTaper) {
+  Rng draw{12};
+  for (int k = 0; k < 40; ++k) {
+    std::vector<std::array<double, 2>> corners;
+    const int sides = 3 + k % 3;
+    for (int i = 0; i < sides; ++i) {
+      const double angle = (i + 0.6 * draw.uniform()) * 2 * std::numbers::pi / sides;
+      corners.push_back({1.2 * std::cos(angle), 1.2 * std::sin(angle)});
+    }
+    const double dip = k % 4 == 0 ? 90 : 50 + 35 * draw.uniform();
+    std::optional<double> factor;
+    for (int turn = 0; turn < 6; ++turn) {
+      const double x = 40 * draw.uniform();
+      const auto cut = audited(prism(frame({x, 3, -x}, dip, 360 * draw.uniform()), corners));
+      const Analysis analysis = analyse(cut, rock({strength(5)}));
+      ASSERT_EQ(cut.complex().blocks().size(), 2U) << k;
+      ASSERT_EQ(analysis.batches.size(), 1U) << k << ' ' << turn;
+      const double found = analysis.judgements.at(0).factor_of_safety;
+      if (!factor) factor = found;
+      EXPECT_NEAR(found, *factor, 1e-6) << k << ' ' << turn;
+      if (dip == 90) {
+        EXPECT_NEAR(found, 0, 1e-6) << "it falls";
+      }
+    }
+  }
+}
+
+// Over a tunnel, between joints that were drawn to the corners of its section, which are rounded to a nanometre.
+TEST(ScenesTest, WhatEndsOnATunnelDoesNotTaper) {
+  Rng draw{13};
+  for (int k = 0; k < 40; ++k) {
+    const double azimuth = 2 * std::numbers::pi * draw.uniform(), w = 1.5 + 3 * draw.uniform(), roof = 2;
+    const Vec3 along{std::sin(azimuth), std::cos(azimuth), 0}, right{along.y, -along.x, 0};
+    const Vec3 middle{50 * draw.uniform(), -50 * draw.uniform(), 10 * draw.uniform()};
+    const auto p = [&](double x, double y, double z) { return middle + x * right + y * along + Vec3{0, 0, z}; };
+    topology::CutInput input{
+        .domain = geometry::make_box(middle - Vec3{30, 30, 30}, middle + Vec3{30, 30, 30}).value(),
+        .joints = {},
+        .excavations = {geometry::make_tunnel(geometry::RectangleSection{metres(2 * w), metres(2 * roof)},
+                                              {middle - 20 * along, middle + 20 * along})
+                            .value()},
+        .free_domain_tags = {}};
+    for (const double x : {-w, w}) {
+      input.joints.emplace_back(polygon({p(x, -5, roof), p(x, 5, roof), p(x, 5, roof + 3), p(x, -5, roof + 3)}));
+    }
+    for (const double y : {-1.0, 2.0}) {
+      input.joints.emplace_back(
+          polygon({p(-w - 1, y, 1), p(w + 1, y, 1), p(w + 1, y, roof + 3), p(-w - 1, y, roof + 3)}));
+    }
+    input.joints.emplace_back(
+        polygon({p(-w - 1, -5, roof + 2), p(w + 1, -5, roof + 2), p(w + 1, 5, roof + 2), p(-w - 1, 5, roof + 2)}));
+    const auto cut = audited(input);
+    const Analysis analysis = analyse(cut, rock({strength(30)}));
+    ASSERT_EQ(cut.complex().blocks().size(), 2U) << k;
+    ASSERT_EQ(analysis.batches.size(), 1U) << k;
+    EXPECT_NEAR(analysis.judgements.at(0).factor_of_safety, 0, 1e-7) << k;
   }
 }
 

@@ -467,6 +467,37 @@ TEST(SupportTest, AStitchedBodyIsCutAtBlocksThatAreFixed) {
   EXPECT_FALSE(check_support(complex, with, a, plan_with(bolts, 1.25)).combined[0].passes);
 }
 
+// Layers over a roof, thinner than the anchorage: bolts that end in them come down with them.
+TEST(SupportTest, WhatComesDownAnchorsNothing) {
+  topology::CutInput input{.domain = geometry::make_box({-10, -10, 0}, {10, 10, 20}).value(),
+                           .joints = {},
+                           .excavations = {},
+                           .free_domain_tags = {4}};
+  for (const double x : {-1.0, 1.0}) {
+    input.joints.emplace_back(topology::PersistentJoint{{x, 0, 0}, {1, 0, 0}});
+    input.joints.emplace_back(topology::PersistentJoint{{0, x, 0}, {0, 1, 0}});
+  }
+  for (const double z : {1.0, 1.3, 1.6, 1.9}) {
+    input.joints.emplace_back(
+        topology::Joint{{geometry::Polygon::make({{-1, -1, z}, {1, -1, z}, {1, 1, z}, {-1, 1, z}}).value()}});
+  }
+  const auto complex = audited(input);
+  const Settings with = weighing(4, 4, 0);
+  const Analysis a = analyse(complex, with);
+  ASSERT_EQ(a.batches.size(), 4U) << "a layer each";
+  const BoltType type{.tendon = newtons(1e6),
+                      .plate = newtons(1e6),
+                      .anchorage = metres(0.5),
+                      .kind = GroutedBar{.bond = newtons_per_metre(1e6)}};
+  const auto passes = [&](double length) {
+    const Bolt bolt{.collar = {0, 0, 0}, .direction = {0, 0, 1}, .length = metres(length), .type = type};
+    return check_support(complex, with, a, plan_with({bolt}, 1.5)).passes();
+  };
+  EXPECT_FALSE(passes(1.85)) << "0.85 m in three layers";
+  EXPECT_FALSE(passes(2.3)) << "0.4 m in the rock that stays";
+  EXPECT_TRUE(passes(2.5));
+}
+
 // A column without friction that bolts far stronger than its weight hold: too much of them would lift it, so the share
 // that holds is one point.
 TEST(SupportTest, ABlockThatCanMoveBothWaysIsHeldByStrongBolts) {

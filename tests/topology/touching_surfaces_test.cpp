@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cleave/geometry/terrain.hpp"
+#include "cleave/geometry/tunnel.hpp"
 #include "closed_scenes.hpp"
 
 // Joints drawn to end on the surface of an excavation, or on one another, a rounding short of it or beyond.
@@ -98,6 +99,30 @@ TEST(TouchingSurfaces, JointsThatEndOnTheWallsOfAnOpening) {
     const double prism = 4 * 0.5 * (0.9 - from) * top;
     EXPECT_NEAR(found[0], prism, 1e-8 * prism) << k;
     EXPECT_EQ(audited.complex().report().near_misses.sides, 0U) << k;
+  }
+}
+
+TEST(TouchingSurfaces, JointsInThePlanesOfTheWalls) {
+  // A block over the whole roof of a tunnel: its sides go on where the walls end.
+  const auto u = uniform(45);
+  for (int k = 0; k < 40; ++k) {
+    const double width = 4 + 6 * u(), height = 3 + 3 * u(), azimuth = k % 2 == 0 ? 0 : 360 * u() * degree;
+    const Vec3 along{std::sin(azimuth), std::cos(azimuth), 0}, right{along.y, -along.x, 0};
+    const Vec3 middle{k % 2 == 0 ? 0 : 50 * u(), k % 2 == 0 ? 0 : -50 * u(), 0};
+    auto input = scene(
+        box(middle - Vec3{30, 30, 30}, middle + Vec3{30, 30, 30}), {},
+        {geometry::make_tunnel(geometry::RectangleSection{metres(width), metres(height)}, {middle - 20 * along, middle + 20 * along})
+             .value()});
+    const auto p = [&](double x, double y, double z) { return middle + x * right + y * along + Vec3{0, 0, z}; };
+    const double w = width / 2, roof = height / 2, top = roof + 2;
+    add(input, {{p(-w, -5, roof), p(-w, 5, roof), p(-w, 5, top + 1), p(-w, -5, top + 1)},
+                {p(w, -5, roof), p(w, 5, roof), p(w, 5, top + 1), p(w, -5, top + 1)},
+                {p(-w - 1, -5, top), p(w + 1, -5, top), p(w + 1, 5, top), p(-w - 1, 5, top)},
+                {p(-w - 1, -4, roof - 1), p(w + 1, -4, roof - 1), p(w + 1, -4, top + 1), p(-w - 1, -4, top + 1)},
+                {p(-w - 1, 4, roof - 1), p(w + 1, 4, roof - 1), p(w + 1, 4, top + 1), p(-w - 1, 4, top + 1)}});
+    const auto found = volumes(certified(input));
+    ASSERT_EQ(found.size(), 2U) << k;
+    EXPECT_NEAR(found[0], 16 * width, 1e-7 * width) << k;
   }
 }
 

@@ -205,6 +205,13 @@ class Tracer {
     }
     return true;
   }
+  /// But for the lattice.
+  bool has_corner(Index facet, const Vec& p) const {
+    const Facet& f = prepared_.facets[facet];
+    return std::ranges::any_of(std::span{prepared_.corners}.subspan(f.first_corner, f.corner_count), [&](const Vec& c) {
+      return std::abs(c[0] - p[0]) + std::abs(c[1] - p[1]) + std::abs(c[2] - p[2]) < 0x1p-45;
+    });
+  }
   /// Of a joint's facet that meets another one and ends about on its plane: whether it does so along all of its side.
   void look_short(Index number, Index other) {
     const Facet& f = prepared_.facets[number];
@@ -224,8 +231,10 @@ class Tracer {
       const LineApprox line = exact::line_of(signs_.plane(p), signs_.plane(q));
       Clipper side{signs_, p, q, line};
       if (!cut_by_edges(side, f, e) || !side.any()) continue;
-      const double from = height(side.position(side.lower())), to = height(side.position(side.upper()));
+      const Vec begins = side.position(side.lower()), ends = side.position(side.upper());
+      const double from = height(begins), to = height(ends);
       if (std::max(std::abs(from), std::abs(to)) > gaps_.limit()) continue;
+      if (has_corner(other, begins) && has_corner(other, ends)) continue;  // a side of both
       const auto stays_short = [&](const Clipper::End& end) {
         return signs_.side(end.point, p, q, end.half_space.plane, onto) == own_side;
       };
