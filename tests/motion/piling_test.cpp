@@ -152,6 +152,48 @@ TEST(Piling, IcosahedraInABin) {
   EXPECT_LT(w.energy().largest_gain, 1e-9 * w.energy().start + 1e-9);
 }
 
+TEST(Piling, AGroupAtRestIsNotSearchedAgain) {
+  // Cubes on a slope, then one that comes down on them. With little patience the search from motion ends in nothing,
+  // and what it would have said stays said.
+  for (const std::size_t patience : {std::size_t{4000}, std::size_t{1}}) {
+    std::vector<BodySpec> bodies{floor()};
+    for (int k = 0; k < 8; ++k) {
+      const Vec3 at{k % 2 + 0.0, k / 2 % 2 + 0.0, k / 4 + 0.0};
+      bodies.push_back(body(box(at, at + Vec3{1, 1, 1})));
+    }
+    bodies.push_back(body(box({0.2, 0.3, 2.1}, {0.9, 0.8, 2.6})));
+    World w = world(std::move(bodies), 0.7, {.gravity = {1.5, 0.5, -9.81}, .step = 0.01, .theta = 1, .sleep = false,
+                                             .solver = {.patience = patience}});
+    std::size_t searched = 0, again = 0;
+    std::vector<std::size_t> locked;
+    std::vector<Vec3> forces;
+    while (w.time() < 0.5) {
+      const auto report = w.step();
+      ASSERT_TRUE(report.has_value()) << describe(report.error());
+      EXPECT_LE(report->residual, 1e-8);
+      if (w.time() > 0.12) {
+        // It has come down: a few steps until it lies still, then none.
+        again += report->iterations;
+        searched += report->iterations > 0 ? 1 : 0;
+        continue;
+      }
+      locked.push_back(report->may_be_locked);
+      if (locked.size() == 1) {
+        EXPECT_GT(report->iterations, 0U);
+        for (const Contact& c : w.contacts()) forces.push_back(c.force);
+      } else {
+        EXPECT_EQ(report->iterations, 0U) << w.time();
+        for (std::size_t k = 0; k < forces.size(); ++k) expect_near(w.contacts()[k].force, forces[k], 1e-7);
+      }
+    }
+    for (const std::size_t count : locked) EXPECT_EQ(count, locked[0]);
+    EXPECT_EQ(locked[0], patience == 1 ? 8U : 0U);
+    EXPECT_GT(again, 0U);
+    EXPECT_LT(searched, 10U);
+    for (std::size_t b = 1; b < w.size(); ++b) EXPECT_LT(norm(w.velocity(b)), 1e-7);
+  }
+}
+
 TEST(Piling, EveryStepIsLookedAtForOverlaps) {
   // What rounding leaves is more than is allowed here: such steps are cut and refused, never accepted.
   std::vector<BodySpec> bodies{floor()};

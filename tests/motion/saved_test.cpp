@@ -131,7 +131,7 @@ TEST(Saved, WhatIsOfAnotherWorldOrDamagedIsRefused) {
   };
   refused(cemented(), "", SavedFault::foreign);
   refused(cemented(), "cleave-world 1\n", SavedFault::foreign);
-  refused(cemented(), sealed(kind, 2, "x"), SavedFault::other_version);
+  refused(cemented(), sealed(kind, 99, "x"), SavedFault::other_version);
   refused(cemented(), saved.substr(0, saved.size() - 1), SavedFault::damaged);
   refused(cemented(), saved + " ", SavedFault::damaged);
   refused(cemented(0.31), saved, SavedFault::other_world);

@@ -167,6 +167,7 @@ void World::Impl::recall(std::vector<Touch>& list, double step) const {
     }
     if (!best) continue;
     used[*best] = 1;
+    t.known = true;
     t.impulse = (touches[*best].body == t.body ? ratio : -ratio) * touches[*best].impulse;
   }
 }

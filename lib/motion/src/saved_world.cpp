@@ -60,7 +60,7 @@ void archive(A& a, const BondState& b) {
 namespace {
 
 constexpr std::string_view world_kind = "cleave-motion-world";
-constexpr std::uint32_t version_of_saved = 1;
+constexpr std::uint32_t version_of_saved = 2;
 
 std::string identity_of(const World::Impl& w) {
   ArchiveWriter a;
@@ -71,7 +71,7 @@ std::string identity_of(const World::Impl& w) {
 /// What changes, but for the bonds.
 template <class A>
 void archive_motion(A& a, Archived<World::Impl> auto& w) {
-  a(w.now, w.last_step, w.state, w.touches, w.contacts, w.held, w.asleep, w.quiet, w.implicit, w.energy, w.expected,
+  a(w.now, w.last_step, w.state, w.touches, w.contacts, w.held, w.asleep, w.quiet, w.implicit, w.locked, w.energy, w.expected,
     w.largest_momentum, w.momentum_off);
 }
 
@@ -99,6 +99,7 @@ bool bodies_are_sound(const World::Impl& w) {
   return w.now >= 0 && finite(w.now) && w.last_step >= 0 && finite(w.last_step) && w.state.size() == n &&
          std::ranges::all_of(w.state, is_sound) && w.held.size() == n && std::ranges::all_of(w.held, flag) &&
          w.asleep.size() == n && std::ranges::all_of(w.asleep, flag) && w.quiet.size() == n && w.implicit.size() == n &&
+         w.locked.size() == n && std::ranges::all_of(w.locked, flag) &&
          std::ranges::all_of(books, [](double x) { return finite(x); }) && finite(w.expected);
 }
 

@@ -238,6 +238,7 @@ void World::Impl::let_fall(const std::vector<State>& mid, double step, Attempt& 
   out.given = {};
   out.broken.clear();
   out.contacts.clear();
+  out.locked.assign(shapes.size(), 0);
   out.report = {};
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (!moves(b)) continue;
@@ -248,12 +249,41 @@ void World::Impl::let_fall(const std::vector<State>& mid, double step, Attempt& 
   }
 }
 
-World::Impl::Solved World::Impl::solve_island(const Island& island, const std::vector<Touch>& list,
+std::vector<std::uint32_t> World::Impl::touches_by_body(const std::vector<Touch>& list) const {
+  std::vector<std::uint32_t> out(shapes.size(), 0);
+  for (const Touch& t : list) {
+    ++out[t.body];
+    ++out[t.other];
+  }
+  return out;
+}
+
+std::optional<bool> World::Impl::as_before(const Island& island, const Attempt& so_far) const {
+  if (!island.bonds.empty()) return std::nullopt;  // forces of bonds are not kept
+  std::size_t before = 0, now = 0;
+  bool may_be_locked = false;
+  for (const std::uint32_t b : island.bodies) {
+    if (quiet[b] == 0) return std::nullopt;
+    before += so_far.touches_before[b];
+    may_be_locked = may_be_locked || locked[b] != 0;
+  }
+  for (const std::uint32_t k : island.touches) {
+    const Touch& t = so_far.touches[k];
+    if (!t.known) return std::nullopt;
+    now += (moves(t.body) ? 1U : 0U) + (moves(t.other) ? 1U : 0U);
+  }
+  return before == now ? std::optional{may_be_locked} : std::nullopt;
+}
+
+World::Impl::Solved World::Impl::solve_island(const Island& island, const Attempt& so_far,
                                               const std::vector<State>& mid, double step, double tolerate) const {
   Solved out;
+  const std::vector<Touch>& list = so_far.touches;
+  const std::optional<bool> settled = as_before(island, so_far);
   // Restitution in several contacts at once may ask for more energy than there is (Kane 1984): then for less.
   for (const double rebound : {1.0, 0.99, 0.97, 0.93, 0.85, 0.7, 0.5, 0.25, 0.0}) {
     out.group = group_of(island, list, mid, step, rebound);
+    out.group.settled = settled;
     SolverOptions how = options.solver;
     how.tolerate = tolerate;
     const double slow = 2 * step * norm(options.gravity);
@@ -304,11 +334,14 @@ std::expected<bool, World::Impl::Failure> World::Impl::solve_all(const std::vect
                        std::ranges::any_of(island.bodies, [&](std::uint32_t b) { return implicit[b] == 0; });
     if (mixed) take_implicit_rule(island);
     if (!kept) continue;
-    const Solved solved = solve_island(island, out.touches, mid, step, tolerate);
+    const Solved solved = solve_island(island, out, mid, step, tolerate);
     const SolveReport& report = solved.found.report;
     out.report.iterations += report.iterations;
     out.report.residual = std::max(out.report.residual, report.residual);
-    if (report.may_be_locked) out.report.may_be_locked += island.bodies.size();
+    if (report.may_be_locked) {
+      out.report.may_be_locked += island.bodies.size();
+      for (const std::uint32_t b : island.bodies) out.locked[b] = 1;
+    }
     out.report.stick += report.stick;
     out.report.slip += report.slip;
     if (report.status == SolveReport::Status::rough) out.report.rough += island.bodies.size();
@@ -333,6 +366,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tol
     place_all(mid, false);
     out.touches = touches_of(near_pairs(travel), travel, true);
     recall(out.touches, step);
+    out.touches_before = touches_by_body(touches);
     bool kept = true;
     for (;; ++round) {
       let_fall(mid, step, out);
@@ -372,6 +406,7 @@ void World::Impl::accept(Attempt& done) {
   state = std::move(done.state);
   touches = std::move(done.touches);
   contacts = std::move(done.contacts);
+  locked = std::move(done.locked);
   for (const std::uint32_t k : done.broken) bonds[k].broken = true;
   for (std::uint8_t& count : implicit) count = count > 0 ? static_cast<std::uint8_t>(count - 1) : count;
   expected += done.given;

@@ -128,6 +128,7 @@ std::expected<World, BadScene> World::make(SceneSpec scene, WorldOptions options
   impl->asleep.assign(n, 0);
   impl->quiet.assign(n, 0);
   impl->implicit.assign(n, 0);
+  impl->locked.assign(n, 0);
   impl->cells = std::make_shared<const std::vector<Cell>>(std::move(cells));
   std::vector<Vec3> corners;
   for (std::uint32_t c = 0; c < impl->cells->size(); ++c) {
@@ -226,12 +227,13 @@ StepReport World::Impl::close(Attempt& done) {
 /// Groups whose bodies have all been at rest for ten steps sleep.
 void World::Impl::sleep_and_wake(const Attempt& done) {
   static_cast<void>(done);
-  if (!options.sleep || options.quasi_static) return;
+  if (options.quasi_static) return;
   constexpr std::uint8_t steps = 10;
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     const double speed = norm(state[b].v) + norm(spin(state[b], b)) * shapes[b].radius;
     quiet[b] = moves(b) && speed < options.sleep_speed ? static_cast<std::uint8_t>(std::min(quiet[b] + 1, 250)) : 0;
   }
+  if (!options.sleep) return;
   for (const Island& island : islands_of(touches)) {
     if (!std::ranges::all_of(island.bodies, [&](std::uint32_t b) { return quiet[b] >= steps; })) continue;
     for (const std::uint32_t b : island.bodies) {

@@ -44,8 +44,10 @@ struct Island {
 struct Attempt {
   std::vector<State> state;
   std::vector<Touch> touches;
+  std::vector<std::uint32_t> touches_before;  ///< of each body, in the last step
   std::vector<Contact> contacts;
   std::vector<std::uint32_t> broken;
+  std::vector<std::uint8_t> locked;  ///< by body: its group may be
   StepReport report;
   double work = 0, friction = 0, scheme = 0, projected = 0, gain = 0;
   Vec3 given;  ///< momentum, by loads and walls
@@ -65,7 +67,7 @@ struct World::Impl {
   std::vector<State> state;
   std::vector<Touch> touches;  ///< of the last step, with impulses
   std::vector<Contact> contacts;
-  std::vector<std::uint8_t> asleep, quiet, implicit;
+  std::vector<std::uint8_t> asleep, quiet, implicit, locked;
   std::vector<Placed> placed;
   Energy energy;
   Vec3 expected;  ///< momentum, by all forces so far
@@ -100,8 +102,13 @@ struct World::Impl {
     Solution found;
     bool rebounds = false;
   };
-  [[nodiscard]] Solved solve_island(const Island& island, const std::vector<Touch>& list, const std::vector<State>& mid,
+  [[nodiscard]] Solved solve_island(const Island& island, const Attempt& so_far, const std::vector<State>& mid,
                                     double step, double tolerate) const;
+  /// Touches of each body in a list.
+  [[nodiscard]] std::vector<std::uint32_t> touches_by_body(const std::vector<Touch>& list) const;
+  /// Whether these bodies were a group of the last step with the same contact points, at rest: then whether it may be
+  /// locked.
+  [[nodiscard]] std::optional<bool> as_before(const Island& island, const Attempt& so_far) const;
   /// Impulses of contacts, and bonds that broke.
   void note_contacts(const Island& island, const Solved& solved, double step, Attempt& out) const;
   /// All groups. False when some take another rule of the step from now on.
