@@ -167,7 +167,8 @@ TEST(Piling, AGroupAtRestIsNotSearchedAgain) {
     std::size_t searched = 0, again = 0;
     std::vector<std::size_t> locked;
     std::vector<Vec3> forces;
-    while (w.time() < 0.5) {
+    const bool patient = patience > 1;
+    while (w.time() < (patient ? 0.5 : 0.1)) {
       const auto report = w.step();
       ASSERT_TRUE(report.has_value()) << describe(report.error());
       EXPECT_LE(report->residual, 1e-8);
@@ -187,7 +188,8 @@ TEST(Piling, AGroupAtRestIsNotSearchedAgain) {
       }
     }
     for (const std::size_t count : locked) EXPECT_EQ(count, locked[0]);
-    EXPECT_EQ(locked[0], patience == 1 ? 8U : 0U);
+    EXPECT_EQ(locked[0], patient ? 0U : 8U);
+    if (!patient) continue;
     EXPECT_GT(again, 0U);
     EXPECT_LT(searched, 10U);
     for (std::size_t b = 1; b < w.size(); ++b) EXPECT_LT(norm(w.velocity(b)), 1e-7);

@@ -161,10 +161,17 @@ class Cascade {
     Unknowns x = none();
     if (by_points()) {
       std::vector<double> friction;
-      for (auto& e : scaled_.elements) friction.push_back(std::exchange(e.mu, 0));
+      std::vector<std::uint8_t> shear;
+      for (auto& e : scaled_.elements) {
+        friction.push_back(std::exchange(e.mu, 0));
+        shear.push_back(std::exchange(e.shear, false) ? 1 : 0);
+      }
       const std::vector<double> still(x.size(), 0);
       const double left = interior_.solve(x, {.weight = 1e-9, .goal = 1e-8, .coupled = false, .given = still});
-      for (std::size_t k = 0; k < friction.size(); ++k) scaled_.elements[k].mu = friction[k];
+      for (std::size_t k = 0; k < friction.size(); ++k) {
+        scaled_.elements[k].mu = friction[k];
+        scaled_.elements[k].shear = shear[k] != 0;
+      }
       if (left < 1e-6) return x;
       x = none();
     }

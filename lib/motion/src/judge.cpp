@@ -42,6 +42,11 @@ namespace {
 
 /// p - P(p - r y) of one point.
 Vector3d natural(const Point& point, const Vector3d& diagonal, const Vector3d& y, const Vector3d& p) {
+  if (point.shear) {
+    Eigen::Vector2d t = p.tail<2>() - 2 / (diagonal[1] + diagonal[2]) * y.tail<2>();
+    if (const double length = t.norm(); length > point.cohesion) t *= point.cohesion / length;
+    return {p[0], p[1] - t[0], p[2] - t[1]};
+  }
   const double tension = point.mu > 0 ? std::min(point.tension, point.cohesion / point.mu) : point.tension;
   const double a = p[0] - y[0] / diagonal[0];
   const bool closed = a > -tension;
@@ -60,10 +65,11 @@ Judged judge(const Group& group, const std::vector<Vector3d>& impulse, const Res
   for (std::size_t k = 0; k < impulse.size(); ++k) {
     const Vector3d f = natural(group.points[k], response.diagonal[k], response.y[k], impulse[k]);
     const Vector3d b = response.y[k] - response.from_impulse[k];
+    const Vector3d diagonal = response.diagonal[k].cwiseMax(1e-300);  // none along the normal of shear alone
     off = std::max(off, f.lpNorm<Eigen::Infinity>());
     off_speed = std::max(off_speed, f.cwiseProduct(response.diagonal[k]).lpNorm<Eigen::Infinity>());
     force = std::max(
-        {force, impulse[k].lpNorm<Eigen::Infinity>(), b.cwiseQuotient(response.diagonal[k]).lpNorm<Eigen::Infinity>()});
+        {force, impulse[k].lpNorm<Eigen::Infinity>(), b.cwiseQuotient(diagonal).lpNorm<Eigen::Infinity>()});
     speed = std::max(speed, b.lpNorm<Eigen::Infinity>());
     made = std::max(made, response.from_impulse[k].lpNorm<Eigen::Infinity>());
   }

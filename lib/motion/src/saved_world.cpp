@@ -54,7 +54,8 @@ void archive(A& a, const Bond::Share& s) {
 }
 template <class A>
 void archive(A& a, const BondState& b) {
-  a(b.bond.body, b.bond.other, b.bond.normal, b.bond.shares, b.bond.cohesion, b.bond.tension, b.bond.friction);
+  a(b.bond.body, b.bond.other, b.bond.normal, b.bond.shares, b.bond.cohesion, b.bond.tension, b.bond.friction,
+    b.bond.patch);
 }
 
 namespace {
@@ -121,13 +122,18 @@ bool contacts_are_sound(const World::Impl& w) {
   return std::ranges::all_of(w.touches, touch) && std::ranges::all_of(w.contacts, contact);
 }
 
+bool bond_is_sound(const BondState& bond) {
+  return std::ranges::all_of(bond.impulse, [](Vec3 v) { return finite(v); });
+}
+
 }  // namespace
 
 std::string World::saved() const {
   ArchiveWriter a;
   a(identity_of(*impl_));
   archive_motion(a, std::as_const(*impl_));
-  a(broken_of(*impl_));
+  a(broken_of(*impl_), impl_->torn);
+  for (const BondState& bond : impl_->bonds) a(bond.impulse);
   return sealed(world_kind, version_of_saved, a.bytes());
 }
 
@@ -136,9 +142,13 @@ std::expected<void, SavedFault> World::restore(std::string_view saved) {
   Impl w = *impl_;
   std::vector<std::uint8_t> broken;
   archive_motion(a, w);
-  a(broken);
-  if (!a.complete() || !bodies_are_sound(w) || !contacts_are_sound(w) || broken.size() != w.bonds.size() ||
-      std::ranges::any_of(broken, [](std::uint8_t b) { return b > 1; })) {
+  a(broken, w.torn);
+  for (BondState& bond : w.bonds) a(bond.impulse);
+  const auto flags = [&](const std::vector<std::uint8_t>& of) {
+    return of.size() == w.bonds.size() && std::ranges::all_of(of, [](std::uint8_t b) { return b <= 1; });
+  };
+  if (!a.complete() || !bodies_are_sound(w) || !contacts_are_sound(w) || !flags(broken) || !flags(w.torn) ||
+      !std::ranges::all_of(w.bonds, bond_is_sound)) {
     return std::unexpected(SavedFault::damaged);
   }
   for (std::size_t k = 0; k < w.bonds.size(); ++k) w.bonds[k].broken = broken[k] != 0;

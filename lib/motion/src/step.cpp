@@ -91,7 +91,7 @@ std::vector<Island> World::Impl::islands_of(const std::vector<Touch>& list) cons
   for (std::uint32_t k = 0; k < bonds.size(); ++k) {
     if (bonds[k].broken) continue;
     Island* own = island(bonds[k].bond.body, bonds[k].bond.other);
-    for (std::uint32_t s = 0; own != nullptr && s < bonds[k].bond.shares.size(); ++s) own->bonds.emplace_back(k, s);
+    for (std::uint32_t s = 0; own != nullptr && s < points_of(k); ++s) own->bonds.emplace_back(k, s);
   }
   return out;
 }
@@ -144,14 +144,22 @@ Group World::Impl::group_of(const Island& island, const std::vector<Touch>& list
   }
   for (const auto& [k, s] : island.bonds) {
     const Bond& bond = bonds[k].bond;
-    const auto at = [&](std::uint32_t b, Vec3 start) {
-      return centroid(mid[b], b) + mid[b].turn * (start - shapes[b].centroid);
-    };
-    const Vec3 point = 0.5 * (at(bond.body, bond.shares[s].point) + at(bond.other, bond.shares[s].point));
-    Point& p = add(bond.body, bond.other, point, mid[bond.other].turn * bond.normal);
-    p.mu = bond.friction;
-    p.cohesion = bond.cohesion * bond.shares[s].area * step;
-    p.tension = bond.tension * bond.shares[s].area * step;
+    const BondPoint own = point_of(k, s);
+    const auto [at, normal] = place_of(k, own.at_start, mid);
+    Point& p = add(bond.body, bond.other, at, normal);
+    p.mu = own.friction;
+    p.cohesion = own.cohesion * step;
+    p.tension = own.tension * step;
+    p.shear = own.shear;
+    if (own.shear) {
+      p.on_body.col(0).setZero();
+      p.on_other.col(0).setZero();
+    }
+    const std::vector<Vec3>& last = bonds[k].impulse;
+    if (last.size() != points_of(k) || !(last_step > 0)) continue;
+    const Frame frame = frame_of(normal);
+    const Vec3 impulse = step / last_step * last[s];
+    p.start << dot(frame.n, impulse), dot(frame.t1, impulse), dot(frame.t2, impulse);
   }
   return group;
 }
@@ -239,6 +247,8 @@ void World::Impl::let_fall(const std::vector<State>& mid, double step, Attempt& 
   out.broken.clear();
   out.contacts.clear();
   out.locked.assign(shapes.size(), 0);
+  out.torn.clear();
+  out.bond_impulse.assign(bonds.size(), {});
   out.report = {};
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (!moves(b)) continue;
@@ -259,7 +269,9 @@ std::vector<std::uint32_t> World::Impl::touches_by_body(const std::vector<Touch>
 }
 
 std::optional<bool> World::Impl::as_before(const Island& island, const Attempt& so_far) const {
-  if (!island.bonds.empty()) return std::nullopt;  // forces of bonds are not kept
+  for (const auto& [bond, point] : island.bonds) {
+    if (bonds[bond].impulse.size() != points_of(bond)) return std::nullopt;
+  }
   std::size_t before = 0, now = 0;
   bool may_be_locked = false;
   for (const std::uint32_t b : island.bodies) {
@@ -297,24 +309,20 @@ World::Impl::Solved World::Impl::solve_island(const Island& island, const Attemp
   return out;
 }
 
-void World::Impl::note_contacts(const Island& island, const Solved& solved, double step, Attempt& out) const {
+void World::Impl::note_contacts(const Island& island, const Solved& solved, const std::vector<State>& mid, double step,
+                                Attempt& out) const {
   for (std::size_t k = 0; k < solved.group.points.size(); ++k) {
     const Point& p = solved.group.points[k];
     Vector3d slip = p.on_body.transpose() * solved.found.velocity[p.body];
     if (p.other) slip += p.on_other.transpose() * solved.found.velocity[*p.other];
-    const bool bonded = k >= island.touches.size();
-    if (bonded) {
-      const auto& [bond, share] = island.bonds[k - island.touches.size()];
-      const double loose = 1e-3 * step * norm(options.gravity) + 1e-9;
-      if (slip.cwiseAbs().maxCoeff() > loose && slip[0] > -loose) {
-        if (out.broken.empty() || out.broken.back() != bond) out.broken.push_back(bond);
-      }
+    const Vector3d& i = solved.found.impulse[k];
+    if (k >= island.touches.size()) {
+      const auto& [bond, number] = island.bonds[k - island.touches.size()];
+      note_bond(bond, number, i, slip, mid, step, out);
       continue;
     }
     Touch& t = out.touches[island.touches[k]];
-    const Frame frame = frame_of(t.normal);
-    const Vector3d& i = solved.found.impulse[k];
-    t.impulse = i[0] * frame.n + i[1] * frame.t1 + i[2] * frame.t2;
+    t.impulse = in_space(frame_of(t.normal), i);
     out.contacts.push_back({t.body, t.other, t.point, t.normal, t.gap, t.impulse / step, slip.tail<2>().norm(), false});
   }
 }
@@ -350,12 +358,13 @@ std::expected<bool, World::Impl::Failure> World::Impl::solve_all(const std::vect
       return std::unexpected(Failure{report.residual, "the contact law was not met"});
     }
     if (close_island(island, solved, mid, step, out)) {
-      note_contacts(island, solved, step, out);
+      note_contacts(island, solved, mid, step, out);
     } else {
       take_implicit_rule(island);
     }
   }
-  return kept;
+  for (const std::uint32_t bond : out.torn) torn[bond] = 1;
+  return kept && out.torn.empty();
 }
 
 std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tolerate, Attempt& out) {
@@ -366,6 +375,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tol
     place_all(mid, false);
     out.touches = touches_of(near_pairs(travel), travel, true);
     recall(out.touches, step);
+    drop_bonded(out.touches, mid);
     out.touches_before = touches_by_body(touches);
     bool kept = true;
     for (;; ++round) {
@@ -380,13 +390,16 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tol
       place_all(out.state, false);
       if (round >= rounds) break;
       const std::vector<double> none(shapes.size(), 0);
-      const std::vector<Touch> more = missed(out.touches, touches_of(near_pairs(none), none, false), mid, out.state);
+      std::vector<Touch> at_end = touches_of(near_pairs(none), none, false);
+      drop_bonded(at_end, out.state);
+      const std::vector<Touch> more = missed(out.touches, at_end, mid, out.state);
       if (more.empty()) break;
       out.touches.insert(out.touches.end(), more.begin(), more.end());
     }
     out.report.retries = static_cast<std::size_t>(round);
     if (kept) break;
-    if (++round > 4 * rounds) return Failure{0, "no rule of the step keeps the energy"};
+    // A bond gives once: such rounds end by themselves.
+    if (out.torn.empty() && ++round > 4 * rounds) return Failure{0, "no rule of the step keeps the energy"};
   }
   double deepest = 0;
   out.projected = part(out.state, deepest);
@@ -408,6 +421,7 @@ void World::Impl::accept(Attempt& done) {
   contacts = std::move(done.contacts);
   locked = std::move(done.locked);
   for (const std::uint32_t k : done.broken) bonds[k].broken = true;
+  for (std::size_t k = 0; k < bonds.size(); ++k) bonds[k].impulse = std::move(done.bond_impulse[k]);
   for (std::uint8_t& count : implicit) count = count > 0 ? static_cast<std::uint8_t>(count - 1) : count;
   expected += done.given;
 }

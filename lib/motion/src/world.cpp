@@ -25,8 +25,10 @@ std::string fault_of(const Bond& bond, std::size_t bodies) {
   if (bond.body >= bodies || bond.other >= bodies || bond.body == bond.other) return "a bond has no two bodies";
   if (!(std::abs(norm(bond.normal) - 1) < 1e-9)) return "the normal of a bond is no unit vector";
   if (!(bond.cohesion >= 0) || !(bond.tension >= 0) || !(bond.friction >= 0)) return "a strength of a bond is negative";
-  for (const Bond::Share& s : bond.shares) {
-    if (!geometry::is_finite(s.point) || !(s.area >= 0)) return "a share of a bond has no area";
+  for (const auto* list : {&bond.shares, &bond.patch}) {
+    for (const Bond::Share& s : *list) {
+      if (!geometry::is_finite(s.point) || !(s.area >= 0)) return "a share of a bond has no area";
+    }
   }
   return {};
 }
@@ -122,7 +124,7 @@ std::expected<World, BadScene> World::make(SceneSpec scene, WorldOptions options
     if (std::string fault = fault_of(bond, scene.bodies.size()); !fault.empty()) {
       return std::unexpected(BadScene{"", fault});
     }
-    impl->bonds.push_back({std::move(bond), false});
+    impl->add_bond(std::move(bond));
   }
   const std::size_t n = scene.bodies.size();
   impl->asleep.assign(n, 0);
@@ -174,6 +176,7 @@ std::expected<StepReport, StepFailed> World::step(double at_most) {
     Attempt attempt;
     // A rougher answer counts where a shorter step does no better.
     const double tolerate = (cut == 0 ? 0.1 : 1) * own.options.solver.tolerate;
+    const std::vector<std::uint8_t> torn = own.torn;
     const auto failed = own.attempt(step, tolerate, attempt);
     if (!failed) {
       attempt.report.cuts = cut;
@@ -183,6 +186,7 @@ std::expected<StepReport, StepFailed> World::step(double at_most) {
       return own.close(attempt);
     }
     last = *failed;
+    own.torn = torn;
     if (cut < own.options.cuts) step /= 3;
   }
   own.place_all(own.state, false);
