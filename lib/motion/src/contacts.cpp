@@ -100,16 +100,22 @@ void World::Impl::place_all(const std::vector<State>& s, bool everything) {
 }
 
 std::vector<Pair> World::Impl::near_pairs(const std::vector<double>& travel) const {
+  // A tree of what moves alone: most of a large scene may be asleep.
+  std::vector<std::uint32_t> moving;
   std::vector<geometry::Box> boxes;
-  boxes.reserve(placed.size());
-  for (const Placed& p : placed) boxes.push_back(p.box.grown(travel[p.body]));
-  const geometry::BoxTree tree{boxes};
+  for (std::uint32_t c = 0; c < placed.size(); ++c) {
+    if (!moves(placed[c].body)) continue;
+    moving.push_back(c);
+    boxes.push_back(placed[c].box.grown(travel[placed[c].body]));
+  }
   std::vector<Pair> out;
+  if (moving.empty()) return out;
+  const geometry::BoxTree tree{boxes};
   for (std::uint32_t c = 0; c < placed.size(); ++c) {
     const std::uint32_t body = placed[c].body;
-    if (!moves(body)) continue;
-    tree.overlapping(boxes[c], [&](std::uint32_t other) {
-      if (placed[other].body == body || (moves(placed[other].body) && other < c)) return;
+    tree.overlapping(placed[c].box.grown(travel[body]), [&](std::uint32_t at) {
+      const std::uint32_t other = moving[at];
+      if (placed[other].body == body || (moves(body) && other < c)) return;
       out.emplace_back(std::min(c, other), std::max(c, other));
     });
   }
