@@ -18,9 +18,8 @@ using namespace motion;
 using motion::shapes::box;
 
 BodySpec cube(double x, double y, double z, Vec3 velocity = {}) {
-  return {.shape = box({x, y, z}, {x + 1, y + 1, z + 1}),
-          .density = kilograms_per_cubic_metre(2600),
-          .velocity = velocity};
+  return {
+      .shape = box({x, y, z}, {x + 1, y + 1, z + 1}), .density = kilograms_per_cubic_metre(2600), .velocity = velocity};
 }
 BodySpec floor(double half) { return {.shape = box({-half, -half, -1}, {half, half, 0}), .fixed = true}; }
 

@@ -46,8 +46,8 @@ bool stays(World w) {
 }
 /// A cube under an open roof: the bond alone carries it.
 bool hangs(Bond bond) {
-  return stays(hung({heavy(box({-5, -5, 2}, {5, 5, 3}), true), heavy(box({-0.5, -0.5, -1}, {0.5, 0.5, 0}))},
-                    std::move(bond)));
+  return stays(
+      hung({heavy(box({-5, -5, 2}, {5, 5, 3}), true), heavy(box({-0.5, -0.5, -1}, {0.5, 0.5, 0}))}, std::move(bond)));
 }
 
 TEST(Bonds, ASquareOffTheMiddleBearsLess) {
@@ -105,8 +105,8 @@ TEST(Bonds, APatchMayBeGivenApartFromItsShares) {
 }
 
 TEST(Bonds, ACantileverBendsItsBond) {
-  // Two cubic metres on a wall that they touch: no pull on the whole, a moment alone. Largest pull 6 M / b^3; the points
-  // where the two touch bear none of it.
+  // Two cubic metres on a wall that they touch: no pull on the whole, a moment alone. Largest pull 6 M / b^3; the
+  // points where the two touch bear none of it.
   for (const double share : {0.99, 1.01}) {
     Bond bond{.body = 1,
               .other = 0,
@@ -117,8 +117,9 @@ TEST(Bonds, ACantileverBendsItsBond) {
               .friction = 0.5};
     add_triangle({0, -0.5, -0.5}, {0, 0.5, -0.5}, {0, 0.5, 0.5}, bond.shares);
     add_triangle({0, -0.5, -0.5}, {0, 0.5, 0.5}, {0, -0.5, 0.5}, bond.shares);
-    EXPECT_EQ(stays(hung({heavy(box({-1, -3, -3}, {0, 3, 3}), true), heavy(box({0, -0.5, -0.5}, {2, 0.5, 0.5}))}, bond)),
-              share > 1);
+    EXPECT_EQ(
+        stays(hung({heavy(box({-1, -3, -3}, {0, 3, 3}), true), heavy(box({0, -0.5, -0.5}, {2, 0.5, 0.5}))}, bond)),
+        share > 1);
   }
 }
 
@@ -139,8 +140,10 @@ TEST(Bonds, PullEndsAtTheApex) {
 TEST(Bonds, WhereTensionIsGoneCohesionStays) {
   // A cube that stands over the edge of a ledge with its weight outside the core of what they share, pulled along it:
   // the tension of the far rim gives, its cohesion holds on; so it is without tension. More tension keeps all.
-  for (const auto& [cohesion, tension, whole, holds] :
-       {std::tuple{2e4, 10.0, false, true}, {2e4, 0.0, false, true}, {2e4, 6e4, true, true}, {1e3, 10.0, false, false}}) {
+  for (const auto& [cohesion, tension, whole, holds] : {std::tuple{2e4, 10.0, false, true},
+                                                        {2e4, 0.0, false, true},
+                                                        {2e4, 6e4, true, true},
+                                                        {1e3, 10.0, false, false}}) {
     Bond bond{.body = 1,
               .other = 0,
               .normal = {0, 0, 1},
@@ -149,7 +152,8 @@ TEST(Bonds, WhereTensionIsGoneCohesionStays) {
               .tension = tension,
               .friction = 0.1};
     add_rectangle(bond, 0, 0, 0.7, 1);
-    World w = hung({heavy(box({-3, -3, -1}, {0.7, 4, 0}), true), heavy(box({0, 0, 0}, {1, 1, 1}))}, bond, {0, 3, -9.81});
+    World w =
+        hung({heavy(box({-3, -3, -1}, {0.7, 4, 0}), true), heavy(box({0, 0, 0}, {1, 1, 1}))}, bond, {0, 3, -9.81});
     const auto report = w.step();
     ASSERT_TRUE(report.has_value());
     EXPECT_EQ(std::ranges::any_of(w.contacts(), &Contact::bonded), whole);
@@ -184,7 +188,8 @@ TEST(Bonds, CohesionBesideATensionResistsTwisting) {
 TEST(Bonds, GoesOnFromBytes) {
   // Saved after its tension gave, and saved whole: the same from then on, to the last bit.
   for (const double tension : {10.0, 6e4}) {
-    Bond bond{.body = 1, .other = 0, .normal = {0, 0, 1}, .shares = {}, .cohesion = 2e4, .tension = tension, .friction = 0.1};
+    Bond bond{
+        .body = 1, .other = 0, .normal = {0, 0, 1}, .shares = {}, .cohesion = 2e4, .tension = tension, .friction = 0.1};
     add_rectangle(bond, 0, 0, 0.7, 1);
     const auto make = [&] {
       return hung({heavy(box({-3, -3, -1}, {0.7, 4, 0}), true), heavy(box({0, 0, 0}, {1, 1, 1})),
@@ -216,7 +221,8 @@ TEST(Bonds, ShearAloneByInteriorPoints) {
       group.points.push_back({.body = 0, .on_body = rows_of(frame, arm)});
     }
     for (const double y : {-0.3, 0.3}) {
-      Point p{.body = 0, .on_body = rows_of(frame, {0, y, 0}), .cohesion = cohesion, .tension = cohesion, .shear = true};
+      Point p{
+          .body = 0, .on_body = rows_of(frame, {0, y, 0}), .cohesion = cohesion, .tension = cohesion, .shear = true};
       p.on_body.col(0).setZero();
       group.points.push_back(p);
     }

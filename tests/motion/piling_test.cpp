@@ -162,8 +162,9 @@ TEST(Piling, AGroupAtRestIsNotSearchedAgain) {
       bodies.push_back(body(box(at, at + Vec3{1, 1, 1})));
     }
     bodies.push_back(body(box({0.2, 0.3, 2.1}, {0.9, 0.8, 2.6})));
-    World w = world(std::move(bodies), 0.7, {.gravity = {1.5, 0.5, -9.81}, .step = 0.01, .theta = 1, .sleep = false,
-                                             .solver = {.patience = patience}});
+    World w = world(
+        std::move(bodies), 0.7,
+        {.gravity = {1.5, 0.5, -9.81}, .step = 0.01, .theta = 1, .sleep = false, .solver = {.patience = patience}});
     std::size_t searched = 0, again = 0;
     std::vector<std::size_t> locked;
     std::vector<Vec3> forces;

@@ -109,6 +109,23 @@ BondPoint World::Impl::point_of(std::uint32_t bond, std::uint32_t number) const 
   return {s.point, 0, cohesion, cohesion, true};
 }
 
+void World::Impl::set_law(std::uint32_t bond, std::uint32_t number, Vec3 normal, double step, Point& p) const {
+  const BondPoint own = point_of(bond, number);
+  p.mu = own.friction;
+  p.cohesion = own.cohesion * step;
+  p.tension = own.tension * step;
+  p.shear = own.shear;
+  if (own.shear) {
+    p.on_body.col(0).setZero();
+    p.on_other.col(0).setZero();
+  }
+  const std::vector<Vec3>& last = bonds[bond].impulse;
+  if (last.size() != points_of(bond) || !(last_step > 0)) return;
+  const Frame frame = frame_of(normal);
+  const Vec3 impulse = step / last_step * last[number];
+  p.start << dot(frame.n, impulse), dot(frame.t1, impulse), dot(frame.t2, impulse);
+}
+
 void World::Impl::drop_bonded(std::vector<Touch>& list, const std::vector<State>& s) const {
   std::vector<std::pair<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>> by_pair;
   for (std::uint32_t k = 0; k < bonds.size(); ++k) {

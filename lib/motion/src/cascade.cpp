@@ -371,8 +371,6 @@ class Cascade {
 
 }  // namespace
 
-Solution best_answer(const Group& group, const SolverOptions& options) {
-  return Cascade{group, options}.take();
-}
+Solution best_answer(const Group& group, const SolverOptions& options) { return Cascade{group, options}.take(); }
 
 }  // namespace cleave::motion

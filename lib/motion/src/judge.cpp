@@ -68,8 +68,8 @@ Judged judge(const Group& group, const std::vector<Vector3d>& impulse, const Res
     const Vector3d diagonal = response.diagonal[k].cwiseMax(1e-300);  // none along the normal of shear alone
     off = std::max(off, f.lpNorm<Eigen::Infinity>());
     off_speed = std::max(off_speed, f.cwiseProduct(response.diagonal[k]).lpNorm<Eigen::Infinity>());
-    force = std::max(
-        {force, impulse[k].lpNorm<Eigen::Infinity>(), b.cwiseQuotient(diagonal).lpNorm<Eigen::Infinity>()});
+    force =
+        std::max({force, impulse[k].lpNorm<Eigen::Infinity>(), b.cwiseQuotient(diagonal).lpNorm<Eigen::Infinity>()});
     speed = std::max(speed, b.lpNorm<Eigen::Infinity>());
     made = std::max(made, response.from_impulse[k].lpNorm<Eigen::Infinity>());
   }

@@ -72,8 +72,8 @@ std::string identity_of(const World::Impl& w) {
 /// What changes, but for the bonds.
 template <class A>
 void archive_motion(A& a, Archived<World::Impl> auto& w) {
-  a(w.now, w.last_step, w.state, w.touches, w.contacts, w.held, w.asleep, w.quiet, w.implicit, w.locked, w.energy, w.expected,
-    w.largest_momentum, w.momentum_off);
+  a(w.now, w.last_step, w.state, w.touches, w.contacts, w.held, w.asleep, w.quiet, w.implicit, w.locked, w.energy,
+    w.expected, w.largest_momentum, w.momentum_off);
 }
 
 std::vector<std::uint8_t> broken_of(const World::Impl& w) {

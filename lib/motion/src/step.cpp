@@ -144,22 +144,8 @@ Group World::Impl::group_of(const Island& island, const std::vector<Touch>& list
   }
   for (const auto& [k, s] : island.bonds) {
     const Bond& bond = bonds[k].bond;
-    const BondPoint own = point_of(k, s);
-    const auto [at, normal] = place_of(k, own.at_start, mid);
-    Point& p = add(bond.body, bond.other, at, normal);
-    p.mu = own.friction;
-    p.cohesion = own.cohesion * step;
-    p.tension = own.tension * step;
-    p.shear = own.shear;
-    if (own.shear) {
-      p.on_body.col(0).setZero();
-      p.on_other.col(0).setZero();
-    }
-    const std::vector<Vec3>& last = bonds[k].impulse;
-    if (last.size() != points_of(k) || !(last_step > 0)) continue;
-    const Frame frame = frame_of(normal);
-    const Vec3 impulse = step / last_step * last[s];
-    p.start << dot(frame.n, impulse), dot(frame.t1, impulse), dot(frame.t2, impulse);
+    const auto [at, normal] = place_of(k, point_of(k, s).at_start, mid);
+    set_law(k, s, normal, step, add(bond.body, bond.other, at, normal));
   }
   return group;
 }

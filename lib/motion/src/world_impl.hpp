@@ -157,6 +157,8 @@ struct World::Impl {
   [[nodiscard]] BondPoint point_of(std::uint32_t bond, std::uint32_t number) const;
   /// Point and normal now.
   [[nodiscard]] std::pair<Vec3, Vec3> place_of(std::uint32_t bond, Vec3 at_start, const std::vector<State>& s) const;
+  /// What it bears in a step, and what it bore in the last one.
+  void set_law(std::uint32_t bond, std::uint32_t number, Vec3 normal, double step, Point& p) const;
   /// Drops touches on patches that pull: nothing presses there but the points of the bond.
   void drop_bonded(std::vector<Touch>& list, const std::vector<State>& s) const;
   /// What one of its points carried, and whether it gave. `slip`: opening and slip.
