@@ -176,7 +176,7 @@ TEST(Piling, AGroupAtRestIsNotSearchedAgain) {
       if (w.time() > 0.12) {
         // It has come down: a few steps until it lies still, then none.
         again += report->iterations;
-        searched += report->iterations > 0 ? 1 : 0;
+        searched += report->iterations > 0 ? 1U : 0U;
         continue;
       }
       locked.push_back(report->may_be_locked);

@@ -258,7 +258,7 @@ std::optional<bool> World::Impl::as_before(const Island& island, const Attempt& 
   for (const auto& [bond, point] : island.bonds) {
     if (bonds[bond].impulse.size() != points_of(bond)) return std::nullopt;
   }
-  std::size_t before = 0, now = 0;
+  std::size_t before = 0, here = 0;
   bool may_be_locked = false;
   for (const std::uint32_t b : island.bodies) {
     if (quiet[b] == 0) return std::nullopt;
@@ -268,9 +268,9 @@ std::optional<bool> World::Impl::as_before(const Island& island, const Attempt& 
   for (const std::uint32_t k : island.touches) {
     const Touch& t = so_far.touches[k];
     if (!t.known) return std::nullopt;
-    now += (moves(t.body) ? 1U : 0U) + (moves(t.other) ? 1U : 0U);
+    here += (moves(t.body) ? 1U : 0U) + (moves(t.other) ? 1U : 0U);
   }
-  return before == now ? std::optional{may_be_locked} : std::nullopt;
+  return before == here ? std::optional{may_be_locked} : std::nullopt;
 }
 
 World::Impl::Solved World::Impl::solve_island(const Island& island, const Attempt& so_far,
