@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "hull.hpp"
 #include "overlap.hpp"
 #include "solver.hpp"
 #include "worlds.hpp"
@@ -130,6 +131,23 @@ TEST(Cases, PatchWithAHole) {
   EXPECT_NEAR(-moment.y / force.z, 1.5825243, 1e-6);
   EXPECT_NEAR(moment.x / force.z, 1.7140777, 1e-6);
   EXPECT_LT(norm(w.displacement(1)), 1e-9);
+}
+
+TEST(Cases, RoundingTakesNoCornerOfAHull) {
+  // A square with more points on its sides, in all orders that rounding may give those on one line.
+  const std::vector<std::pair<double, double>> square{{0, 0},   {1, 0},   {1, 1},   {0, 1},
+                                                      {0, 0.4}, {1, 0.7}, {0.3, 0}, {0, 0.9}};
+  for (unsigned way = 0; way < 6561; ++way) {
+    std::vector<Flat> points;
+    unsigned left = way;
+    for (const auto& [x, y] : square) {
+      points.push_back({x + 1e-15 * static_cast<double>(left % 3), y});
+      left /= 3;
+    }
+    std::vector<std::uint32_t> hull = hull_of(points, 1e-9);
+    std::ranges::sort(hull);
+    ASSERT_EQ(hull, (std::vector<std::uint32_t>{0, 1, 2, 3})) << way;
+  }
 }
 
 TEST(Cases, ConcaveBodiesFallInAHeap) {

@@ -154,46 +154,50 @@ TEST(Piling, IcosahedraInABin) {
 
 TEST(Piling, AGroupAtRestIsNotSearchedAgain) {
   // Cubes on a slope, then one that comes down on them. With little patience the search from motion ends in nothing,
-  // and what it would have said stays said.
-  for (const std::size_t patience : {std::size_t{4000}, std::size_t{1}}) {
+  // and what it would have said stays said. What scenes accept is met by far, so nothing is solved at all.
+  struct Way {
+    double accept;
+    std::size_t patience, locked;
+  };
+  for (const auto& [accept, patience, locked] : {Way{1e-8, 4000, 0}, Way{1e-5, 4000, 0}, Way{1e-8, 1, 8}}) {
     std::vector<BodySpec> bodies{floor()};
     for (int k = 0; k < 8; ++k) {
       const Vec3 at{k % 2 + 0.0, k / 2 % 2 + 0.0, k / 4 + 0.0};
       bodies.push_back(body(box(at, at + Vec3{1, 1, 1})));
     }
     bodies.push_back(body(box({0.2, 0.3, 2.1}, {0.9, 0.8, 2.6})));
-    World w = world(
-        std::move(bodies), 0.7,
-        {.gravity = {1.5, 0.5, -9.81}, .step = 0.01, .theta = 1, .sleep = false, .solver = {.patience = patience}});
-    std::size_t searched = 0, again = 0;
-    std::vector<std::size_t> locked;
-    std::vector<Vec3> forces;
-    const bool patient = patience > 1;
-    while (w.time() < (patient ? 0.5 : 0.1)) {
+    World w = world(std::move(bodies), 0.7,
+                    {.gravity = {1.5, 0.5, -9.81},
+                     .step = 0.01,
+                     .theta = 1,
+                     .sleep = false,
+                     .solver = {.accept = accept, .patience = patience}});
+    std::size_t first = 0, searched = 0;
+    double upwards = 0;
+    while (w.time() < (patience > 1 ? 0.5 : 0.1) - 1e-9) {
       const auto report = w.step();
       ASSERT_TRUE(report.has_value()) << describe(report.error());
-      EXPECT_LE(report->residual, 1e-8);
-      if (w.time() > 0.12) {
-        // It has come down: a few steps until it lies still, then none.
-        again += report->iterations;
-        searched += report->iterations > 0 ? 1U : 0U;
-        continue;
+      EXPECT_LE(report->residual, accept);
+      if (first == 0) {
+        first = report->iterations;
+        upwards = reaction(w);
+        EXPECT_GT(first, 100U);
       }
-      locked.push_back(report->may_be_locked);
-      if (locked.size() == 1) {
-        EXPECT_GT(report->iterations, 0U);
-        for (const Contact& c : w.contacts()) forces.push_back(c.force);
+      if (w.time() < 0.12) {
+        EXPECT_EQ(report->may_be_locked, locked);
+        EXPECT_NEAR(reaction(w), upwards, accept * upwards);
+        const bool begins = w.time() < 0.015;
+        EXPECT_LE(report->iterations, begins ? first : accept > 1e-6 ? 0U : first / 2);
       } else {
-        EXPECT_EQ(report->iterations, 0U) << w.time();
-        for (std::size_t k = 0; k < forces.size(); ++k) expect_near(w.contacts()[k].force, forces[k], 1e-7);
+        searched += report->iterations > first / 2 ? 1U : 0U;
       }
     }
-    for (const std::size_t count : locked) EXPECT_EQ(count, locked[0]);
-    EXPECT_EQ(locked[0], patient ? 0U : 8U);
-    if (!patient) continue;
-    EXPECT_GT(again, 0U);
-    EXPECT_LT(searched, 10U);
-    for (std::size_t b = 1; b < w.size(); ++b) EXPECT_LT(norm(w.velocity(b)), 1e-7);
+    // The one that comes down: a few steps until it lies still.
+    if (patience > 1) {
+      EXPECT_GT(searched, 0U);
+      EXPECT_LT(searched, 10U);
+    }
+    for (std::size_t b = 1; b < 9; ++b) EXPECT_LT(norm(w.velocity(b)), 1e-7);
   }
 }
 

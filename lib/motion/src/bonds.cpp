@@ -2,40 +2,11 @@
 #include <cmath>
 #include <utility>
 
+#include "hull.hpp"
 #include "world_impl.hpp"
 
 /// Bonds of patches: where they carry pressure, pull and shear, and when they give.
 namespace cleave::motion {
-namespace {
-
-struct Flat {
-  double x = 0, y = 0;
-};
-double turned(Flat a, Flat b, Flat c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
-
-/// Counter-clockwise, without corners that lie on a line within `tolerance`.
-std::vector<Flat> hull_of(std::vector<Flat> points, double tolerance) {
-  std::ranges::sort(points, [](Flat a, Flat b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
-  std::vector<Flat> out;
-  const auto half = [&](std::size_t least) {
-    for (const Flat p : points) {
-      while (out.size() > least + 1) {
-        const Flat a = out[out.size() - 2], b = out.back();
-        if (turned(a, b, p) > tolerance * std::hypot(p.x - a.x, p.y - a.y)) break;
-        out.pop_back();
-      }
-      if (out.size() <= least || std::hypot(p.x - out.back().x, p.y - out.back().y) > tolerance) out.push_back(p);
-    }
-    out.pop_back();
-  };
-  half(0);
-  std::ranges::reverse(points);
-  half(out.size());
-  return out;
-}
-
-}  // namespace
-
 Core core_of(const std::vector<Bond::Share>& patch, Vec3 normal) {
   Core out;
   const Frame frame = frame_of(normal);
@@ -57,13 +28,13 @@ Core core_of(const std::vector<Bond::Share>& patch, Vec3 normal) {
     yy += s.area / area * p.y * p.y;
     size = std::max(size, std::hypot(p.x, p.y));
   }
-  const std::vector<Flat> hull = hull_of(std::move(points), 1e-9 * size);
+  const std::vector<std::uint32_t> hull = hull_of(points, 1e-9 * size);
   if (hull.size() < 3) return out;
   // Pressure that is none along a side a . x = 1 of the hull has its resultant at -S a, S the mean of x x^T. The sides
   // of a polygon add up to none, so triangles on them balance these points about the middle.
   double whole = 0;
   for (std::size_t k = 0; k < hull.size(); ++k) {
-    const Flat p = hull[k], q = hull[(k + 1) % hull.size()];
+    const Flat p = points[hull[k]], q = points[hull[(k + 1) % hull.size()]];
     const double twice = p.x * q.y - p.y * q.x;
     if (!(twice > 0)) return {};
     const Flat a{(q.y - p.y) / twice, (p.x - q.x) / twice};

@@ -3,6 +3,7 @@
 #include <map>
 #include <utility>
 
+#include "hull.hpp"
 #include "world_impl.hpp"
 
 namespace cleave::motion {
@@ -27,31 +28,9 @@ void keep_hull(const std::vector<Touch>& plane, std::vector<Touch>& out) {
   }
   const Frame frame = frame_of(plane[0].normal);
   const double tolerance = 1e-9 * plane[0].size;
-  struct At {
-    double x, y;
-    const Touch* touch;
-  };
-  std::vector<At> at;
-  for (const Touch& t : plane) at.push_back({dot(frame.t1, t.point), dot(frame.t2, t.point), &t});
-  std::ranges::stable_sort(at, [](const At& a, const At& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
-  std::vector<At> hull;
-  const auto half = [&](const auto& order, std::size_t least) {
-    for (const At& p : order) {
-      while (hull.size() > least + 1) {
-        const At &a = hull[hull.size() - 2], &b = hull.back();
-        const double turned = (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
-        if (turned > tolerance * std::hypot(p.x - a.x, p.y - a.y)) break;
-        hull.pop_back();
-      }
-      if (hull.empty() || std::hypot(p.x - hull.back().x, p.y - hull.back().y) > tolerance) hull.push_back(p);
-    }
-  };
-  half(at, 0);
-  const std::size_t lower = hull.size() - 1;
-  std::ranges::reverse(at);
-  half(at, lower);
-  if (hull.size() > 1 && std::hypot(hull.back().x - hull[0].x, hull.back().y - hull[0].y) <= tolerance) hull.pop_back();
-  for (const At& p : hull) out.push_back(*p.touch);
+  std::vector<Flat> at;
+  for (const Touch& t : plane) at.push_back({dot(frame.t1, t.point), dot(frame.t2, t.point)});
+  for (const std::uint32_t k : hull_of(at, tolerance)) out.push_back(plane[k]);
 }
 
 /// All touches with those that lie within hulls of others left out.
@@ -173,7 +152,6 @@ void World::Impl::recall(std::vector<Touch>& list, double step) const {
     }
     if (!best) continue;
     used[*best] = 1;
-    t.known = true;
     t.impulse = (touches[*best].body == t.body ? ratio : -ratio) * touches[*best].impulse;
   }
 }

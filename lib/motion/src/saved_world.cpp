@@ -132,8 +132,8 @@ std::string World::saved() const {
   ArchiveWriter a;
   a(identity_of(*impl_));
   archive_motion(a, std::as_const(*impl_));
-  a(broken_of(*impl_), impl_->torn);
   for (const BondState& bond : impl_->bonds) a(bond.impulse);
+  a(broken_of(*impl_), impl_->torn);
   return sealed(world_kind, version_of_saved, a.bytes());
 }
 
@@ -142,8 +142,8 @@ std::expected<void, SavedFault> World::restore(std::string_view saved) {
   Impl w = *impl_;
   std::vector<std::uint8_t> broken;
   archive_motion(a, w);
-  a(broken, w.torn);
   for (BondState& bond : w.bonds) a(bond.impulse);
+  a(broken, w.torn);
   const auto flags = [&](const std::vector<std::uint8_t>& of) {
     return of.size() == w.bonds.size() && std::ranges::all_of(of, [](std::uint8_t b) { return b <= 1; });
   };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -33,19 +32,6 @@ void count_states(const Group& group, const Response& response, Solution& soluti
   }
 }
 
-/// The answer of the step before, where it meets the law still.
-std::optional<Solution> as_before(const Group& group, const SolverOptions& options) {
-  if (!group.settled) return std::nullopt;
-  Solution out;
-  for (const Point& p : group.points) out.impulse.push_back(p.start);
-  const Judged judged = judge(group, out.impulse, respond(group, out.impulse));
-  if (!(judged.residual <= options.accept)) return std::nullopt;
-  out.report.missed_speed = judged.missed;
-  out.report.method = Method::newton;
-  out.report.may_be_locked = *group.settled;
-  return out;
-}
-
 }  // namespace
 
 Solution solve(const Group& group, const SolverOptions& options) {
@@ -60,11 +46,7 @@ Solution solve(const Group& group, const SolverOptions& options) {
     out.report.opened = nothing.size();
     return out;
   }
-  if (auto before = as_before(group, options)) {
-    out = *std::move(before);
-  } else {
-    out = best_answer(group, options);
-  }
+  out = best_answer(group, options);
   response = respond(group, out.impulse);
   out.velocity = response.velocity;
   out.report.residual = judge(group, out.impulse, response).residual;

@@ -34,8 +34,8 @@ struct Group {
   std::vector<Matrix6> mass;
   std::vector<Vector6> free;
   std::vector<Point> points;
-  /// Where `start` of its points was the answer of this group at rest: it is taken again as long as it meets the law,
-  /// and nothing is searched. Whether it may be locked.
+  /// Where `start` of its points was the answer of this group at rest: it is taken again where it meets the law by far,
+  /// else what Newton's method finds from there, and no other answer is searched. Whether it may be locked.
   std::optional<bool> settled = {};
 };
 

@@ -245,11 +245,16 @@ void World::Impl::let_fall(const std::vector<State>& mid, double step, Attempt& 
   }
 }
 
-std::vector<std::uint32_t> World::Impl::touches_by_body(const std::vector<Touch>& list) const {
-  std::vector<std::uint32_t> out(shapes.size(), 0);
-  for (const Touch& t : list) {
-    ++out[t.body];
-    ++out[t.other];
+TouchingPairs touching_pairs(const std::vector<Touch>& list, std::size_t bodies) {
+  TouchingPairs out;
+  for (const Touch& t : list) out.pairs.emplace_back(std::min(t.body, t.other), std::max(t.body, t.other));
+  std::ranges::sort(out.pairs);
+  const auto [first, last] = std::ranges::unique(out.pairs);
+  out.pairs.erase(first, last);
+  out.count.assign(bodies, 0);
+  for (const auto& [a, b] : out.pairs) {
+    ++out.count[a];
+    ++out.count[b];
   }
   return out;
 }
@@ -258,19 +263,18 @@ std::optional<bool> World::Impl::as_before(const Island& island, const Attempt& 
   for (const auto& [bond, point] : island.bonds) {
     if (bonds[bond].impulse.size() != points_of(bond)) return std::nullopt;
   }
-  std::size_t before = 0, here = 0;
+  const TouchingPairs &old = so_far.before, &own = so_far.pairs;
   bool may_be_locked = false;
   for (const std::uint32_t b : island.bodies) {
-    if (quiet[b] == 0) return std::nullopt;
-    before += so_far.touches_before[b];
+    if (quiet[b] == 0 || old.count[b] != own.count[b]) return std::nullopt;
     may_be_locked = may_be_locked || locked[b] != 0;
   }
   for (const std::uint32_t k : island.touches) {
     const Touch& t = so_far.touches[k];
-    if (!t.known) return std::nullopt;
-    here += (moves(t.body) ? 1U : 0U) + (moves(t.other) ? 1U : 0U);
+    const std::pair pair{std::min(t.body, t.other), std::max(t.body, t.other)};
+    if (!std::ranges::binary_search(old.pairs, pair)) return std::nullopt;
   }
-  return before == here ? std::optional{may_be_locked} : std::nullopt;
+  return may_be_locked;
 }
 
 World::Impl::Solved World::Impl::solve_island(const Island& island, const Attempt& so_far,
@@ -362,10 +366,11 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tol
     out.touches = touches_of(near_pairs(travel), travel, true);
     recall(out.touches, step);
     drop_bonded(out.touches, mid);
-    out.touches_before = touches_by_body(touches);
+    out.before = touching_pairs(touches, shapes.size());
     bool kept = true;
     for (;; ++round) {
       let_fall(mid, step, out);
+      out.pairs = touching_pairs(out.touches, shapes.size());
       const auto solved = solve_all(mid, step, tolerate, out);
       if (!solved) return solved.error();
       kept = *solved;

@@ -29,7 +29,6 @@ struct Touch {
   std::uint32_t surface = 0, other_surface = 0;
   double size = 0;     ///< of the smaller cell
   Vec3 impulse = {};   ///< of the last step, scene axes
-  bool known = false;  ///< the last step had it
 };
 
 /// Features that decide how far two cells are apart: a side of one, or an edge of each.

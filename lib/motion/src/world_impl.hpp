@@ -59,10 +59,17 @@ struct Island {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> bonds;  ///< bond and share
 };
 
+/// Which bodies touch.
+struct TouchingPairs {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs = {};  ///< sorted, the smaller number first
+  std::vector<std::uint32_t> count = {};                            ///< by body
+};
+[[nodiscard]] TouchingPairs touching_pairs(const std::vector<Touch>& list, std::size_t bodies);
+
 struct Attempt {
   std::vector<State> state;
   std::vector<Touch> touches;
-  std::vector<std::uint32_t> touches_before;  ///< of each body, in the last step
+  TouchingPairs before, pairs;  ///< of the last step; of this one
   std::vector<Contact> contacts;
   std::vector<std::uint32_t> broken;
   std::vector<std::uint8_t> locked;  ///< by body: its group may be
@@ -125,9 +132,7 @@ struct World::Impl {
   };
   [[nodiscard]] Solved solve_island(const Island& island, const Attempt& so_far, const std::vector<State>& mid,
                                     double step, double tolerate) const;
-  /// Touches of each body in a list.
-  [[nodiscard]] std::vector<std::uint32_t> touches_by_body(const std::vector<Touch>& list) const;
-  /// Whether these bodies were a group of the last step with the same contact points, at rest: then whether it may be
+  /// Whether these bodies were a group of the last step that touched the same bodies, at rest: then whether it may be
   /// locked.
   [[nodiscard]] std::optional<bool> as_before(const Island& island, const Attempt& so_far) const;
   /// Impulses of contacts, and bonds that broke.
