@@ -178,6 +178,7 @@ TEST(Piling, AGroupAtRestIsNotSearchedAgain) {
       const auto report = w.step();
       ASSERT_TRUE(report.has_value()) << describe(report.error());
       EXPECT_LE(report->residual, accept);
+      EXPECT_LT(w.energy().closing_error, 1e-10);  // also of the picojoules that turn over at rest
       if (first == 0) {
         first = report->iterations;
         upwards = reaction(w);

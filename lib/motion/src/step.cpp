@@ -154,7 +154,7 @@ World::Impl::Balance World::Impl::gain_of(const Island& island, const Group& gro
                                           const std::vector<State>& mid, double step) const {
   std::vector<Vector6> before;
   Balance out;
-  double size = 0, free_scheme = 0;
+  double size = 0;
   const bool mean = implicit[island.bodies[0]] == 0 && !options.quasi_static;
   const double late = (mean ? options.theta : 1) - 0.5;
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
@@ -165,7 +165,6 @@ World::Impl::Balance World::Impl::gain_of(const Island& island, const Group& gro
             dot(mid[b].momentum, solve(shape.inertia, mid[b].momentum));
     const Vector6 change = found.velocity[k] - before[k];
     out.scheme -= late * shape.mass * step * dot(options.gravity, {change[0], change[1], change[2]});
-    free_scheme -= late * shape.mass * step * step * dot(options.gravity, options.gravity);
   }
   double moved = 0;
   for (std::size_t k = 0; k < group.points.size(); ++k) {
@@ -185,7 +184,6 @@ World::Impl::Balance World::Impl::gain_of(const Island& island, const Group& gro
   }
   const double gain = out.work + out.scheme;
   out.gain = gain > 1e-13 * size + 1e-9 * moved ? gain : 0;
-  out.scheme -= free_scheme;  // what nothing touches has been counted
   return out;
 }
 
@@ -239,8 +237,6 @@ void World::Impl::let_fall(const std::vector<State>& mid, double step, Attempt& 
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (!moves(b)) continue;
     out.state[b].v += step * options.gravity;
-    // What nothing touches: an implicit step of it loses what it falls too far.
-    out.scheme -= (theta_of(b) - 0.5) * shapes[b].mass * step * step * dot(options.gravity, options.gravity);
     out.given += shapes[b].mass * step * options.gravity;
   }
 }
@@ -321,6 +317,15 @@ std::expected<bool, World::Impl::Failure> World::Impl::solve_all(const std::vect
                                                                  double tolerate, Attempt& out) {
   const std::vector<Island> islands = islands_of(out.touches);
   out.report.islands = islands.size();
+  std::vector<std::uint8_t> touched(shapes.size(), 0);
+  for (const Island& island : islands) {
+    for (const std::uint32_t b : island.bodies) touched[b] = 1;
+  }
+  for (std::uint32_t b = 0; b < shapes.size(); ++b) {
+    if (touched[b] != 0 || !moves(b)) continue;
+    // An implicit step of what nothing touches loses what it falls too far.
+    out.scheme -= (theta_of(b) - 0.5) * shapes[b].mass * step * step * dot(options.gravity, options.gravity);
+  }
   bool kept = true;
   const auto take_implicit_rule = [&](const Island& island) {
     for (const std::uint32_t b : island.bodies) implicit[b] = implicit_for;

@@ -27,8 +27,8 @@ struct Touch {
   Vec3 point = {}, normal = {};
   double gap = 0;
   std::uint32_t surface = 0, other_surface = 0;
-  double size = 0;     ///< of the smaller cell
-  Vec3 impulse = {};   ///< of the last step, scene axes
+  double size = 0;    ///< of the smaller cell
+  Vec3 impulse = {};  ///< of the last step, scene axes
 };
 
 /// Features that decide how far two cells are apart: a side of one, or an edge of each.
