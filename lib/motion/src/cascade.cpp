@@ -116,14 +116,14 @@ class Cascade {
     }
   }
 
-  /// From an answer that is nearly good enough.
-  void settle() {
+  /// From an answer that is nearly good enough, by points at one weight.
+  void settle(double weight = 3e-7) {
     if (done() || !(best_.report.residual < 1e-6)) return;
     Unknowns x;
     for (std::size_t k = 0; k < best_.impulse.size(); ++k) {
       x.emplace_back(best_.impulse[k] / scaled_.elements[k].scale);
     }
-    coulomb(std::move(x), best_.report.method, {.rough = 3e-7, .fine = 3e-7, .last = 60, .finest = 3e-7});
+    coulomb(std::move(x), best_.report.method, {.rough = weight, .fine = weight, .last = 60, .finest = weight});
   }
 
   /// Ends rounds that get no nearer.
@@ -274,6 +274,8 @@ class Cascade {
     }
     if (!done() && !spent()) proximal(0.1);
     if (!done() && !spent()) proximal(1.0 / 3);
+    // What is left is rounding, more or less of it by the weight.
+    for (const double weight : {1e-7, 1e-6, 3e-8, 3e-6}) settle(weight);
     const bool usable = done() || best_.report.residual <= options_.tolerate;
     if (usable && options_.prefer_motion) prefer_motion();
     best_.report.iterations = factors();
