@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "hull.hpp"
 #include "overlap.hpp"
 #include "solver.hpp"
 #include "worlds.hpp"
@@ -85,33 +86,6 @@ TEST(Cases, CohesionHoldsOrBreaks) {
   }
 }
 
-TEST(Cases, HungByABond) {
-  // The weight in the middle of the bond, and off it. Rigid bodies hold as long as any pull and push of the points does
-  // (a pull linear over the bond would give at 56113.2 already).
-  for (const auto& [off, needed] : {std::pair{0.0, 25506.0}, {0.2, 35708.4}}) {
-    for (const double share : {0.99, 1.01}) {
-      Bond bond{.body = 1,
-                .other = 0,
-                .normal = {0, 0, -1},
-                .shares = {},
-                .cohesion = 1e9,
-                .tension = share * needed,
-                .friction = 0.5};
-      const double a = -0.5 + off, b = 0.5 + off;
-      add_triangle({a, -0.5, 0}, {b, -0.5, 0}, {b, 0.5, 0}, bond.shares);
-      add_triangle({a, -0.5, 0}, {b, 0.5, 0}, {a, 0.5, 0}, bond.shares);
-      BodySpec cube = body(box({-0.5, -0.5, -1}, {0.5, 0.5, 0}));
-      cube.density = kilograms_per_cubic_metre(2600);
-      // The roof is open over the cube: the bond alone carries it.
-      auto made =
-          World::make({.bodies = {{.shape = box({-5, -5, 2}, {5, 5, 3}), .fixed = true}, cube}, .bonds = {bond}}, {});
-      ASSERT_TRUE(made.has_value());
-      ASSERT_TRUE(run(*made, 0.3));
-      EXPECT_EQ(norm(made->displacement(1)) > 1e-3, share < 1) << off << " " << share;
-    }
-  }
-}
-
 /// Over an L of 4 m with arms of 1.5 and 2 m and a hole of 0.7 m2.
 Polyhedron angle_with_hole(double height) {
   const std::vector<std::pair<double, double>> outer{{0, 0}, {4, 0}, {4, 1.5}, {2, 1.5}, {2, 4}, {0, 4}};
@@ -157,6 +131,23 @@ TEST(Cases, PatchWithAHole) {
   EXPECT_NEAR(-moment.y / force.z, 1.5825243, 1e-6);
   EXPECT_NEAR(moment.x / force.z, 1.7140777, 1e-6);
   EXPECT_LT(norm(w.displacement(1)), 1e-9);
+}
+
+TEST(Cases, RoundingTakesNoCornerOfAHull) {
+  // A square with more points on its sides, in all orders that rounding may give those on one line.
+  const std::vector<std::pair<double, double>> square{{0, 0},   {1, 0},   {1, 1},   {0, 1},
+                                                      {0, 0.4}, {1, 0.7}, {0.3, 0}, {0, 0.9}};
+  for (unsigned way = 0; way < 6561; ++way) {
+    std::vector<Flat> points;
+    unsigned left = way;
+    for (const auto& [x, y] : square) {
+      points.push_back({x + 1e-15 * static_cast<double>(left % 3), y});
+      left /= 3;
+    }
+    std::vector<std::uint32_t> hull = hull_of(points, 1e-9);
+    std::ranges::sort(hull);
+    ASSERT_EQ(hull, (std::vector<std::uint32_t>{0, 1, 2, 3})) << way;
+  }
 }
 
 TEST(Cases, ConcaveBodiesFallInAHeap) {

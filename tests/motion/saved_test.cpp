@@ -14,6 +14,7 @@ namespace {
 using namespace worlds;
 
 constexpr std::string_view kind = "cleave-motion-world";
+constexpr std::uint32_t version = 2;
 
 /// A cube that sleeps, and one that comes down on it and wakes it.
 World sleeper() {
@@ -131,20 +132,20 @@ TEST(Saved, WhatIsOfAnotherWorldOrDamagedIsRefused) {
   };
   refused(cemented(), "", SavedFault::foreign);
   refused(cemented(), "cleave-world 1\n", SavedFault::foreign);
-  refused(cemented(), sealed(kind, 2, "x"), SavedFault::other_version);
+  refused(cemented(), sealed(kind, 99, "x"), SavedFault::other_version);
   refused(cemented(), saved.substr(0, saved.size() - 1), SavedFault::damaged);
   refused(cemented(), saved + " ", SavedFault::damaged);
   refused(cemented(0.31), saved, SavedFault::other_world);
   refused(sleeper(), saved, SavedFault::other_world);
-  std::string inside{unsealed(kind, 1, saved).value()};
-  refused(cemented(), sealed(kind, 1, inside + "x"), SavedFault::damaged);
+  std::string inside{unsealed(kind, version, saved).value()};
+  refused(cemented(), sealed(kind, version, inside + "x"), SavedFault::damaged);
   // Behind the name: the time and the last step, then the number of bodies.
   const std::size_t after_name = 8 + 64;
   for (const auto& [at, byte] :
        {std::pair{after_name + 7, '\xff'}, {after_name + 16, '\7'}, {inside.size() - 1, '\2'}}) {
     std::string forged = inside;
     forged[at] = byte;
-    refused(cemented(), sealed(kind, 1, forged), SavedFault::damaged);
+    refused(cemented(), sealed(kind, version, forged), SavedFault::damaged);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <tuple>
 
 #include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
@@ -103,6 +104,29 @@ TEST(MotionScene, CohesionHoldsAgainstTwisting) {
   EXPECT_EQ(held.motion->moved(), 0U);
   EXPECT_TRUE(held.key_groups->groups.empty());
   EXPECT_EQ(run_of("3e3").motion->moved(), 1U);
+}
+
+// A block of 0.7 m3 whose roof is rock over a square metre, 0.2 m off its middle: it bears 1 / 2.2 of its tension.
+TEST(MotionScene, ABlockHangsFromItsRoofOffTheMiddle) {
+  const double needed = 2600 * 9.81 * 0.7 * 2.2;
+  for (const auto& [tension, cohesion, moves] :
+       {std::tuple{1.01 * needed, "1e6", 0U}, {0.99 * needed, "1e6", 1U}, {1e9, "0", 1U}}) {
+    const auto box = [](const std::string& name, const std::string& corners) {
+      return "[[excavation]]\nname = \"" + name + "\"\nkind = \"polyhedron\"\nbox = { " + corners + " }\n";
+    };
+    const RunResult result = moved(
+        "[domain]\nbox = { min = [0, 0, 0], max = [4, 3, 2] }\n"
+        "[[joint]]\nplane = { through = [0, 0, 1], dip = 0, dip_direction = 0 }\n"
+        "[joints.default]\nfriction = 30\ncohesion = " +
+        std::string{cohesion} + "\ntension = " + std::to_string(tension) + "\n[rock]\ndensity = 2600\n" +
+        box("below", "min = [-1, -1, -1], max = [5, 4, 0.5]") + box("west", "min = [-1, -1, 0.5], max = [1, 4, 1]") +
+        box("east", "min = [2.4, -1, 0.5], max = [5, 4, 1]") + box("south", "min = [-1, -1, 0.5], max = [5, 1, 1]") +
+        box("north", "min = [-1, 2, 0.5], max = [5, 4, 1]") + box("over", "min = [2, -1, 1], max = [5, 4, 1.5]") +
+        "[stability]\ngroups = \"off\"\n[motion]\nrelease = \"all\"\nduration = 0.2\nerror = false\n");
+    EXPECT_TRUE(result.motion->converged) << result.motion->stopped_why;
+    ASSERT_EQ(result.motion->blocks.size(), 1U);
+    EXPECT_EQ(result.motion->moved(), moves) << tension;
+  }
 }
 
 TEST(MotionScene, WhatCannotBeIsRefused) {

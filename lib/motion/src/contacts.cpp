@@ -3,6 +3,7 @@
 #include <map>
 #include <utility>
 
+#include "hull.hpp"
 #include "world_impl.hpp"
 
 namespace cleave::motion {
@@ -27,31 +28,9 @@ void keep_hull(const std::vector<Touch>& plane, std::vector<Touch>& out) {
   }
   const Frame frame = frame_of(plane[0].normal);
   const double tolerance = 1e-9 * plane[0].size;
-  struct At {
-    double x, y;
-    const Touch* touch;
-  };
-  std::vector<At> at;
-  for (const Touch& t : plane) at.push_back({dot(frame.t1, t.point), dot(frame.t2, t.point), &t});
-  std::ranges::stable_sort(at, [](const At& a, const At& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
-  std::vector<At> hull;
-  const auto half = [&](const auto& order, std::size_t least) {
-    for (const At& p : order) {
-      while (hull.size() > least + 1) {
-        const At &a = hull[hull.size() - 2], &b = hull.back();
-        const double turned = (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
-        if (turned > tolerance * std::hypot(p.x - a.x, p.y - a.y)) break;
-        hull.pop_back();
-      }
-      if (hull.empty() || std::hypot(p.x - hull.back().x, p.y - hull.back().y) > tolerance) hull.push_back(p);
-    }
-  };
-  half(at, 0);
-  const std::size_t lower = hull.size() - 1;
-  std::ranges::reverse(at);
-  half(at, lower);
-  if (hull.size() > 1 && std::hypot(hull.back().x - hull[0].x, hull.back().y - hull[0].y) <= tolerance) hull.pop_back();
-  for (const At& p : hull) out.push_back(*p.touch);
+  std::vector<Flat> at;
+  for (const Touch& t : plane) at.push_back({dot(frame.t1, t.point), dot(frame.t2, t.point)});
+  for (const std::uint32_t k : hull_of(at, tolerance)) out.push_back(plane[k]);
 }
 
 /// All touches with those that lie within hulls of others left out.
@@ -100,16 +79,22 @@ void World::Impl::place_all(const std::vector<State>& s, bool everything) {
 }
 
 std::vector<Pair> World::Impl::near_pairs(const std::vector<double>& travel) const {
+  // A tree of what moves alone: most of a large scene may be asleep.
+  std::vector<std::uint32_t> moving;
   std::vector<geometry::Box> boxes;
-  boxes.reserve(placed.size());
-  for (const Placed& p : placed) boxes.push_back(p.box.grown(travel[p.body]));
-  const geometry::BoxTree tree{boxes};
+  for (std::uint32_t c = 0; c < placed.size(); ++c) {
+    if (!moves(placed[c].body)) continue;
+    moving.push_back(c);
+    boxes.push_back(placed[c].box.grown(travel[placed[c].body]));
+  }
   std::vector<Pair> out;
+  if (moving.empty()) return out;
+  const geometry::BoxTree tree{boxes};
   for (std::uint32_t c = 0; c < placed.size(); ++c) {
     const std::uint32_t body = placed[c].body;
-    if (!moves(body)) continue;
-    tree.overlapping(boxes[c], [&](std::uint32_t other) {
-      if (placed[other].body == body || (moves(placed[other].body) && other < c)) return;
+    tree.overlapping(placed[c].box.grown(travel[body]), [&](std::uint32_t at) {
+      const std::uint32_t other = moving[at];
+      if (placed[other].body == body || (moves(body) && other < c)) return;
       out.emplace_back(std::min(c, other), std::max(c, other));
     });
   }

@@ -15,7 +15,9 @@ using Eigen::VectorXd;
 /// From impulses (n, t) to the cone |t| <= n of axes of one length: n is stretched by this.
 double stretch(const Scaled::Element& e) { return e.mu > 0 ? e.mu : 1; }
 /// How far below none the stretched n may go: without friction cohesion is not in the way of opening.
-double apex(const Scaled::Element& e) { return e.mu > 0 ? e.cohesion : e.tension; }
+double apex(const Scaled::Element& e) { return e.mu > 0 || e.shear ? e.cohesion : e.tension; }
+/// Whether it carries anything along the plane.
+bool slides(const Scaled::Element& e) { return e.mu > 0 || e.shear; }
 
 /// n^2 - t^2 of a vector inside the cone, without the loss of digits near its skin.
 double square(const Vector3d& x) {
@@ -71,12 +73,14 @@ void Interior::begin(std::vector<Vector3d>& x, const Options& options) {
   for (std::size_t k = 0; k < x.size(); ++k) {
     const Scaled::Element& e = scaled_->elements[k];
     const double wide = stretch(e);
-    const Vector3d at{wide * x[k][0] + apex(e), e.mu > 0 ? x[k][1] : 0, e.mu > 0 ? x[k][2] : 0};
+    const Vector3d at{wide * x[k][0] + apex(e), slides(e) ? x[k][1] : 0, slides(e) ? x[k][2] : 0};
     Cone& cone = cones_[k];
     cone.force = at;
     cone.force[0] = std::max(at[0], at.tail<2>().norm()) + options.start;
+    // The height of a disc is its radius.
+    if (e.shear) cone.force = {e.cohesion, 0, 0};
     cone.speed = {1, 0, 0};
-    cone.unit = {1 / wide, e.mu > 0 ? 1.0 : 0.0, e.mu > 0 ? 1.0 : 0.0};
+    cone.unit = {e.shear ? 0 : 1 / wide, slides(e) ? 1.0 : 0.0, slides(e) ? 1.0 : 0.0};
     x[k] = cone.force;
     x[k][0] = (x[k][0] - apex(e)) / wide;
   }
@@ -126,15 +130,21 @@ double Interior::linearise(const std::vector<Vector3d>& x, const std::vector<Vec
       const double slip = std::sqrt(u.tail<2>().squaredNorm() + blunt * blunt);
       if (options.coupled) c.turn.row(0).tail<2>() = e.mu / slip * u.tail<2>().transpose();
       u[0] += e.mu * slip;
-    } else {
+    } else if (!e.shear) {
       u.tail<2>().setZero();
     }
     c.off = c.unit.cwiseProduct(u + options.weight * (x[k] - centre[k])) - c.speed;
-    if (!(e.mu > 0)) c.off.tail<2>() = -c.speed.tail<2>();
+    if (!slides(e)) c.off.tail<2>() = -c.speed.tail<2>();
+    if (e.shear) c.off[0] = 0;
     off = std::max(off, c.off.lpNorm<Eigen::Infinity>());
     Matrix3d stiff = c.back * c.back;
     stiff.diagonal() += options.weight * c.unit.cwiseProduct(c.unit);
-    c.compliance = stiff.inverse();
+    if (e.shear) {
+      c.compliance.setZero();
+      c.compliance.bottomRightCorner<2, 2>() = Eigen::Matrix2d{stiff.bottomRightCorner<2, 2>()}.inverse();
+    } else {
+      c.compliance = stiff.inverse();
+    }
     scaled_->add(e, -x[k], off_v_);
   }
   return std::max(off, off_v_.lpNorm<Eigen::Infinity>());
@@ -154,12 +164,15 @@ bool Interior::factor(bool symmetric) {
 double Interior::direct(double target, bool corrected, double weight) {
   VectorXd rhs = -off_v_;
   std::vector<Vector3d> own(cones_.size());
+  std::vector<double> height(cones_.size());  // of what a disc has in speed: nothing but the products gives it
   for (std::size_t k = 0; k < cones_.size(); ++k) {
     const Cone& c = cones_[k];
     Vector3d want = -product(c.middle, c.middle);
     want[0] += target;
     if (corrected) want -= product((c.back * c.d_force).eval(), (c.scaling * c.d_speed).eval());
-    own[k] = c.compliance * (c.back * quotient(want, c.middle) - c.off);
+    want = (c.back * quotient(want, c.middle)).eval();
+    if (scaled_->elements[k].shear) height[k] = want[0];
+    own[k] = c.compliance * (want - c.off);
     scaled_->add(scaled_->elements[k], c.unit.cwiseProduct(own[k]), rhs);
   }
   dv_ = rhs;
@@ -173,6 +186,7 @@ double Interior::direct(double target, bool corrected, double weight) {
     du = (c.turn * du).eval();
     c.d_force = own[k] - c.compliance * c.unit.cwiseProduct(du);
     c.d_speed = c.unit.cwiseProduct(du) + weight * c.unit.cwiseProduct(c.unit).cwiseProduct(c.d_force) + c.off;
+    if (e.shear) c.d_speed[0] = height[k] - (c.back * c.back).row(0).dot(c.d_force);
     share = std::min({share, room(c.force, c.d_force), room(c.speed, c.d_speed)});
   }
   return share;
@@ -225,7 +239,7 @@ double Interior::solve(std::vector<Vector3d>& x, const Options& options) {
   }
   x = best;
   for (std::size_t k = 0; k < x.size(); ++k) {
-    if (!(scaled_->elements[k].mu > 0)) x[k].tail<2>().setZero();
+    if (!slides(scaled_->elements[k])) x[k].tail<2>().setZero();
   }
   return least;
 }

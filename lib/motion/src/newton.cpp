@@ -17,7 +17,7 @@ Scaled::Scaled(const Group& group) : bodies{group.mass.size()} {
   mass.reserve(bodies);
   for (const Matrix6& m : group.mass) mass.emplace_back(m);
   for (const Point& p : group.points) {
-    Element e{p.body, p.other, p.on_body, p.on_other, p.b, p.mu, p.cohesion, p.tension, 1};
+    Element e{p.body, p.other, p.on_body, p.on_other, p.b, p.mu, p.cohesion, p.tension, 1, p.shear};
     e.y += p.on_body.transpose() * group.free[p.body];
     mass[p.body].matrixL().solveInPlace(e.on_body);
     double square = e.on_body.squaredNorm();
@@ -69,6 +69,10 @@ Newton::Newton(const Scaled& scaled) : scaled_{&scaled}, system_{scaled.bodies, 
 Newton::Local Newton::project(const Programme& programme, std::size_t k, const Vector3d& w) const {
   const Scaled::Element& e = scaled_->elements[k];
   Local out;
+  if (e.shear) {
+    if (programme.law != Law::frictionless) held_in_disc(w.tail<2>(), e.cohesion, out);
+    return out;
+  }
   if (programme.law == Law::cone && e.mu > 0) {
     out = linear::onto_cone(w, e.mu, e.cohesion / e.mu);
     // The apex of a bond that is weaker in tension is cut off.

@@ -31,6 +31,7 @@ struct Scaled {
     Eigen::Vector3d y;  ///< of free motion
     double mu, cohesion, tension;
     double scale;  ///< impulse = scale * unknown
+    bool shear = false;
   };
   std::vector<Element> elements;
   std::size_t bodies = 0;

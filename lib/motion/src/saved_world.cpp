@@ -54,13 +54,14 @@ void archive(A& a, const Bond::Share& s) {
 }
 template <class A>
 void archive(A& a, const BondState& b) {
-  a(b.bond.body, b.bond.other, b.bond.normal, b.bond.shares, b.bond.cohesion, b.bond.tension, b.bond.friction);
+  a(b.bond.body, b.bond.other, b.bond.normal, b.bond.shares, b.bond.cohesion, b.bond.tension, b.bond.friction,
+    b.bond.patch);
 }
 
 namespace {
 
 constexpr std::string_view world_kind = "cleave-motion-world";
-constexpr std::uint32_t version_of_saved = 1;
+constexpr std::uint32_t version_of_saved = 2;
 
 std::string identity_of(const World::Impl& w) {
   ArchiveWriter a;
@@ -71,8 +72,8 @@ std::string identity_of(const World::Impl& w) {
 /// What changes, but for the bonds.
 template <class A>
 void archive_motion(A& a, Archived<World::Impl> auto& w) {
-  a(w.now, w.last_step, w.state, w.touches, w.contacts, w.held, w.asleep, w.quiet, w.implicit, w.energy, w.expected,
-    w.largest_momentum, w.momentum_off);
+  a(w.now, w.last_step, w.state, w.touches, w.contacts, w.held, w.asleep, w.quiet, w.implicit, w.locked, w.energy,
+    w.expected, w.largest_momentum, w.momentum_off);
 }
 
 std::vector<std::uint8_t> broken_of(const World::Impl& w) {
@@ -99,6 +100,7 @@ bool bodies_are_sound(const World::Impl& w) {
   return w.now >= 0 && finite(w.now) && w.last_step >= 0 && finite(w.last_step) && w.state.size() == n &&
          std::ranges::all_of(w.state, is_sound) && w.held.size() == n && std::ranges::all_of(w.held, flag) &&
          w.asleep.size() == n && std::ranges::all_of(w.asleep, flag) && w.quiet.size() == n && w.implicit.size() == n &&
+         w.locked.size() == n && std::ranges::all_of(w.locked, flag) &&
          std::ranges::all_of(books, [](double x) { return finite(x); }) && finite(w.expected);
 }
 
@@ -120,13 +122,18 @@ bool contacts_are_sound(const World::Impl& w) {
   return std::ranges::all_of(w.touches, touch) && std::ranges::all_of(w.contacts, contact);
 }
 
+bool bond_is_sound(const BondState& bond) {
+  return std::ranges::all_of(bond.impulse, [](Vec3 v) { return finite(v); });
+}
+
 }  // namespace
 
 std::string World::saved() const {
   ArchiveWriter a;
   a(identity_of(*impl_));
   archive_motion(a, std::as_const(*impl_));
-  a(broken_of(*impl_));
+  for (const BondState& bond : impl_->bonds) a(bond.impulse);
+  a(broken_of(*impl_), impl_->torn);
   return sealed(world_kind, version_of_saved, a.bytes());
 }
 
@@ -135,9 +142,13 @@ std::expected<void, SavedFault> World::restore(std::string_view saved) {
   Impl w = *impl_;
   std::vector<std::uint8_t> broken;
   archive_motion(a, w);
-  a(broken);
-  if (!a.complete() || !bodies_are_sound(w) || !contacts_are_sound(w) || broken.size() != w.bonds.size() ||
-      std::ranges::any_of(broken, [](std::uint8_t b) { return b > 1; })) {
+  for (BondState& bond : w.bonds) a(bond.impulse);
+  a(broken, w.torn);
+  const auto flags = [&](const std::vector<std::uint8_t>& of) {
+    return of.size() == w.bonds.size() && std::ranges::all_of(of, [](std::uint8_t b) { return b <= 1; });
+  };
+  if (!a.complete() || !bodies_are_sound(w) || !contacts_are_sound(w) || !flags(broken) || !flags(w.torn) ||
+      !std::ranges::all_of(w.bonds, bond_is_sound)) {
     return std::unexpected(SavedFault::damaged);
   }
   for (std::size_t k = 0; k < w.bonds.size(); ++k) w.bonds[k].broken = broken[k] != 0;

@@ -25,6 +25,7 @@ struct Point {
   Eigen::Vector3d b = Eigen::Vector3d::Zero();           ///< m/s
   double mu = 0;
   double cohesion = 0, tension = 0;  ///< N s
+  bool shear = false;                ///< no normal part (first columns 0), no friction: |t| <= cohesion, always
   Eigen::Vector3d start = Eigen::Vector3d::Zero();
 };
 
@@ -33,6 +34,9 @@ struct Group {
   std::vector<Matrix6> mass;
   std::vector<Vector6> free;
   std::vector<Point> points;
+  /// Where `start` of its points was the answer of this group at rest: it is taken again where it meets the law by far,
+  /// else what Newton's method finds from there, and no other answer is searched. Whether it may be locked.
+  std::optional<bool> settled = {};
 };
 
 struct Solution {
@@ -60,6 +64,9 @@ struct Frame {
   Vec3 n, t1, t2;
 };
 [[nodiscard]] Frame frame_of(Vec3 normal) noexcept;
+[[nodiscard]] inline Vec3 in_space(const Frame& frame, const Eigen::Vector3d& along) noexcept {
+  return along[0] * frame.n + along[1] * frame.t1 + along[2] * frame.t2;
+}
 /// What impulses along the frame at an arm from the centroid give.
 [[nodiscard]] Rows rows_of(const Frame& frame, Vec3 arm) noexcept;
 

@@ -91,7 +91,7 @@ std::vector<Island> World::Impl::islands_of(const std::vector<Touch>& list) cons
   for (std::uint32_t k = 0; k < bonds.size(); ++k) {
     if (bonds[k].broken) continue;
     Island* own = island(bonds[k].bond.body, bonds[k].bond.other);
-    for (std::uint32_t s = 0; own != nullptr && s < bonds[k].bond.shares.size(); ++s) own->bonds.emplace_back(k, s);
+    for (std::uint32_t s = 0; own != nullptr && s < points_of(k); ++s) own->bonds.emplace_back(k, s);
   }
   return out;
 }
@@ -144,14 +144,8 @@ Group World::Impl::group_of(const Island& island, const std::vector<Touch>& list
   }
   for (const auto& [k, s] : island.bonds) {
     const Bond& bond = bonds[k].bond;
-    const auto at = [&](std::uint32_t b, Vec3 start) {
-      return centroid(mid[b], b) + mid[b].turn * (start - shapes[b].centroid);
-    };
-    const Vec3 point = 0.5 * (at(bond.body, bond.shares[s].point) + at(bond.other, bond.shares[s].point));
-    Point& p = add(bond.body, bond.other, point, mid[bond.other].turn * bond.normal);
-    p.mu = bond.friction;
-    p.cohesion = bond.cohesion * bond.shares[s].area * step;
-    p.tension = bond.tension * bond.shares[s].area * step;
+    const auto [at, normal] = place_of(k, point_of(k, s).at_start, mid);
+    set_law(k, s, normal, step, add(bond.body, bond.other, at, normal));
   }
   return group;
 }
@@ -160,7 +154,7 @@ World::Impl::Balance World::Impl::gain_of(const Island& island, const Group& gro
                                           const std::vector<State>& mid, double step) const {
   std::vector<Vector6> before;
   Balance out;
-  double size = 0, free_scheme = 0;
+  double size = 0;
   const bool mean = implicit[island.bodies[0]] == 0 && !options.quasi_static;
   const double late = (mean ? options.theta : 1) - 0.5;
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
@@ -171,7 +165,6 @@ World::Impl::Balance World::Impl::gain_of(const Island& island, const Group& gro
             dot(mid[b].momentum, solve(shape.inertia, mid[b].momentum));
     const Vector6 change = found.velocity[k] - before[k];
     out.scheme -= late * shape.mass * step * dot(options.gravity, {change[0], change[1], change[2]});
-    free_scheme -= late * shape.mass * step * step * dot(options.gravity, options.gravity);
   }
   double moved = 0;
   for (std::size_t k = 0; k < group.points.size(); ++k) {
@@ -191,7 +184,6 @@ World::Impl::Balance World::Impl::gain_of(const Island& island, const Group& gro
   }
   const double gain = out.work + out.scheme;
   out.gain = gain > 1e-13 * size + 1e-9 * moved ? gain : 0;
-  out.scheme -= free_scheme;  // what nothing touches has been counted
   return out;
 }
 
@@ -238,22 +230,58 @@ void World::Impl::let_fall(const std::vector<State>& mid, double step, Attempt& 
   out.given = {};
   out.broken.clear();
   out.contacts.clear();
+  out.locked.assign(shapes.size(), 0);
+  out.torn.clear();
+  out.bond_impulse.assign(bonds.size(), {});
   out.report = {};
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (!moves(b)) continue;
     out.state[b].v += step * options.gravity;
-    // What nothing touches: an implicit step of it loses what it falls too far.
-    out.scheme -= (theta_of(b) - 0.5) * shapes[b].mass * step * step * dot(options.gravity, options.gravity);
     out.given += shapes[b].mass * step * options.gravity;
   }
 }
 
-World::Impl::Solved World::Impl::solve_island(const Island& island, const std::vector<Touch>& list,
+TouchingPairs touching_pairs(const std::vector<Touch>& list, std::size_t bodies) {
+  TouchingPairs out;
+  for (const Touch& t : list) out.pairs.emplace_back(std::min(t.body, t.other), std::max(t.body, t.other));
+  std::ranges::sort(out.pairs);
+  const auto [first, last] = std::ranges::unique(out.pairs);
+  out.pairs.erase(first, last);
+  out.count.assign(bodies, 0);
+  for (const auto& [a, b] : out.pairs) {
+    ++out.count[a];
+    ++out.count[b];
+  }
+  return out;
+}
+
+std::optional<bool> World::Impl::as_before(const Island& island, const Attempt& so_far) const {
+  for (const auto& [bond, point] : island.bonds) {
+    if (bonds[bond].impulse.size() != points_of(bond)) return std::nullopt;
+  }
+  const TouchingPairs &old = so_far.before, &own = so_far.pairs;
+  bool may_be_locked = false;
+  for (const std::uint32_t b : island.bodies) {
+    if (quiet[b] == 0 || old.count[b] != own.count[b]) return std::nullopt;
+    may_be_locked = may_be_locked || locked[b] != 0;
+  }
+  for (const std::uint32_t k : island.touches) {
+    const Touch& t = so_far.touches[k];
+    const std::pair pair{std::min(t.body, t.other), std::max(t.body, t.other)};
+    if (!std::ranges::binary_search(old.pairs, pair)) return std::nullopt;
+  }
+  return may_be_locked;
+}
+
+World::Impl::Solved World::Impl::solve_island(const Island& island, const Attempt& so_far,
                                               const std::vector<State>& mid, double step, double tolerate) const {
   Solved out;
+  const std::vector<Touch>& list = so_far.touches;
+  const std::optional<bool> settled = as_before(island, so_far);
   // Restitution in several contacts at once may ask for more energy than there is (Kane 1984): then for less.
   for (const double rebound : {1.0, 0.99, 0.97, 0.93, 0.85, 0.7, 0.5, 0.25, 0.0}) {
     out.group = group_of(island, list, mid, step, rebound);
+    out.group.settled = settled;
     SolverOptions how = options.solver;
     how.tolerate = tolerate;
     const double slow = 2 * step * norm(options.gravity);
@@ -267,24 +295,20 @@ World::Impl::Solved World::Impl::solve_island(const Island& island, const std::v
   return out;
 }
 
-void World::Impl::note_contacts(const Island& island, const Solved& solved, double step, Attempt& out) const {
+void World::Impl::note_contacts(const Island& island, const Solved& solved, const std::vector<State>& mid, double step,
+                                Attempt& out) const {
   for (std::size_t k = 0; k < solved.group.points.size(); ++k) {
     const Point& p = solved.group.points[k];
     Vector3d slip = p.on_body.transpose() * solved.found.velocity[p.body];
     if (p.other) slip += p.on_other.transpose() * solved.found.velocity[*p.other];
-    const bool bonded = k >= island.touches.size();
-    if (bonded) {
-      const auto& [bond, share] = island.bonds[k - island.touches.size()];
-      const double loose = 1e-3 * step * norm(options.gravity) + 1e-9;
-      if (slip.cwiseAbs().maxCoeff() > loose && slip[0] > -loose) {
-        if (out.broken.empty() || out.broken.back() != bond) out.broken.push_back(bond);
-      }
+    const Vector3d& i = solved.found.impulse[k];
+    if (k >= island.touches.size()) {
+      const auto& [bond, number] = island.bonds[k - island.touches.size()];
+      note_bond(bond, number, i, slip, mid, step, out);
       continue;
     }
     Touch& t = out.touches[island.touches[k]];
-    const Frame frame = frame_of(t.normal);
-    const Vector3d& i = solved.found.impulse[k];
-    t.impulse = i[0] * frame.n + i[1] * frame.t1 + i[2] * frame.t2;
+    t.impulse = in_space(frame_of(t.normal), i);
     out.contacts.push_back({t.body, t.other, t.point, t.normal, t.gap, t.impulse / step, slip.tail<2>().norm(), false});
   }
 }
@@ -293,6 +317,15 @@ std::expected<bool, World::Impl::Failure> World::Impl::solve_all(const std::vect
                                                                  double tolerate, Attempt& out) {
   const std::vector<Island> islands = islands_of(out.touches);
   out.report.islands = islands.size();
+  std::vector<std::uint8_t> touched(shapes.size(), 0);
+  for (const Island& island : islands) {
+    for (const std::uint32_t b : island.bodies) touched[b] = 1;
+  }
+  for (std::uint32_t b = 0; b < shapes.size(); ++b) {
+    if (touched[b] != 0 || !moves(b)) continue;
+    // An implicit step of what nothing touches loses what it falls too far.
+    out.scheme -= (theta_of(b) - 0.5) * shapes[b].mass * step * step * dot(options.gravity, options.gravity);
+  }
   bool kept = true;
   const auto take_implicit_rule = [&](const Island& island) {
     for (const std::uint32_t b : island.bodies) implicit[b] = implicit_for;
@@ -304,11 +337,14 @@ std::expected<bool, World::Impl::Failure> World::Impl::solve_all(const std::vect
                        std::ranges::any_of(island.bodies, [&](std::uint32_t b) { return implicit[b] == 0; });
     if (mixed) take_implicit_rule(island);
     if (!kept) continue;
-    const Solved solved = solve_island(island, out.touches, mid, step, tolerate);
+    const Solved solved = solve_island(island, out, mid, step, tolerate);
     const SolveReport& report = solved.found.report;
     out.report.iterations += report.iterations;
     out.report.residual = std::max(out.report.residual, report.residual);
-    if (report.may_be_locked) out.report.may_be_locked += island.bodies.size();
+    if (report.may_be_locked) {
+      out.report.may_be_locked += island.bodies.size();
+      for (const std::uint32_t b : island.bodies) out.locked[b] = 1;
+    }
     out.report.stick += report.stick;
     out.report.slip += report.slip;
     if (report.status == SolveReport::Status::rough) out.report.rough += island.bodies.size();
@@ -317,12 +353,13 @@ std::expected<bool, World::Impl::Failure> World::Impl::solve_all(const std::vect
       return std::unexpected(Failure{report.residual, "the contact law was not met"});
     }
     if (close_island(island, solved, mid, step, out)) {
-      note_contacts(island, solved, step, out);
+      note_contacts(island, solved, mid, step, out);
     } else {
       take_implicit_rule(island);
     }
   }
-  return kept;
+  for (const std::uint32_t bond : out.torn) torn[bond] = 1;
+  return kept && out.torn.empty();
 }
 
 std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tolerate, Attempt& out) {
@@ -333,9 +370,12 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tol
     place_all(mid, false);
     out.touches = touches_of(near_pairs(travel), travel, true);
     recall(out.touches, step);
+    drop_bonded(out.touches, mid);
+    out.before = touching_pairs(touches, shapes.size());
     bool kept = true;
     for (;; ++round) {
       let_fall(mid, step, out);
+      out.pairs = touching_pairs(out.touches, shapes.size());
       const auto solved = solve_all(mid, step, tolerate, out);
       if (!solved) return solved.error();
       kept = *solved;
@@ -346,13 +386,16 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tol
       place_all(out.state, false);
       if (round >= rounds) break;
       const std::vector<double> none(shapes.size(), 0);
-      const std::vector<Touch> more = missed(out.touches, touches_of(near_pairs(none), none, false), mid, out.state);
+      std::vector<Touch> at_end = touches_of(near_pairs(none), none, false);
+      drop_bonded(at_end, out.state);
+      const std::vector<Touch> more = missed(out.touches, at_end, mid, out.state);
       if (more.empty()) break;
       out.touches.insert(out.touches.end(), more.begin(), more.end());
     }
     out.report.retries = static_cast<std::size_t>(round);
     if (kept) break;
-    if (++round > 4 * rounds) return Failure{0, "no rule of the step keeps the energy"};
+    // A bond gives once: such rounds end by themselves.
+    if (out.torn.empty() && ++round > 4 * rounds) return Failure{0, "no rule of the step keeps the energy"};
   }
   double deepest = 0;
   out.projected = part(out.state, deepest);
@@ -372,7 +415,9 @@ void World::Impl::accept(Attempt& done) {
   state = std::move(done.state);
   touches = std::move(done.touches);
   contacts = std::move(done.contacts);
+  locked = std::move(done.locked);
   for (const std::uint32_t k : done.broken) bonds[k].broken = true;
+  for (std::size_t k = 0; k < bonds.size(); ++k) bonds[k].impulse = std::move(done.bond_impulse[k]);
   for (std::uint8_t& count : implicit) count = count > 0 ? static_cast<std::uint8_t>(count - 1) : count;
   expected += done.given;
 }

@@ -21,14 +21,14 @@ void sweep(const Scaled& scaled, std::vector<Eigen::Vector3d>& x, int sweeps) {
       const Scaled::Element& e = scaled.elements[k];
       const Matrix3d& w = own[k];
       const Vector3d b = scaled.relative(e, v) - w * x[k];
-      const double rn = 1 / w(0, 0), rt = 1 / std::max(w(1, 1) + w(2, 2), 1e-300);
+      const double rn = 1 / std::max(w(0, 0), 1e-300), rt = 1 / std::max(w(1, 1) + w(2, 2), 1e-300);
       Vector3d p = x[k];
       for (int inner = 0; inner < 8; ++inner) {
         const Vector3d before = p;
-        p[0] = std::max(-e.tension, p[0] - rn * (b + w * p)[0]);
+        p[0] = e.shear ? 0 : std::max(-e.tension, p[0] - rn * (b + w * p)[0]);
         const Vector3d y = b + w * p;
         Eigen::Vector2d t = p.tail<2>() - rt * y.tail<2>();
-        const double bound = std::max(0.0, e.mu * p[0] + (p[0] > -e.tension ? e.cohesion : 0));
+        const double bound = std::max(0.0, e.mu * p[0] + (e.shear || p[0] > -e.tension ? e.cohesion : 0));
         if (const double length = t.norm(); length > bound) t *= bound / length;
         p.tail<2>() = t;
         if ((p - before).lpNorm<Eigen::Infinity>() <= 1e-14 * p.lpNorm<Eigen::Infinity>()) break;

@@ -25,8 +25,10 @@ std::string fault_of(const Bond& bond, std::size_t bodies) {
   if (bond.body >= bodies || bond.other >= bodies || bond.body == bond.other) return "a bond has no two bodies";
   if (!(std::abs(norm(bond.normal) - 1) < 1e-9)) return "the normal of a bond is no unit vector";
   if (!(bond.cohesion >= 0) || !(bond.tension >= 0) || !(bond.friction >= 0)) return "a strength of a bond is negative";
-  for (const Bond::Share& s : bond.shares) {
-    if (!geometry::is_finite(s.point) || !(s.area >= 0)) return "a share of a bond has no area";
+  for (const auto* list : {&bond.shares, &bond.patch}) {
+    for (const Bond::Share& s : *list) {
+      if (!geometry::is_finite(s.point) || !(s.area >= 0)) return "a share of a bond has no area";
+    }
   }
   return {};
 }
@@ -122,12 +124,13 @@ std::expected<World, BadScene> World::make(SceneSpec scene, WorldOptions options
     if (std::string fault = fault_of(bond, scene.bodies.size()); !fault.empty()) {
       return std::unexpected(BadScene{"", fault});
     }
-    impl->bonds.push_back({std::move(bond), false});
+    impl->add_bond(std::move(bond));
   }
   const std::size_t n = scene.bodies.size();
   impl->asleep.assign(n, 0);
   impl->quiet.assign(n, 0);
   impl->implicit.assign(n, 0);
+  impl->locked.assign(n, 0);
   impl->cells = std::make_shared<const std::vector<Cell>>(std::move(cells));
   std::vector<Vec3> corners;
   for (std::uint32_t c = 0; c < impl->cells->size(); ++c) {
@@ -173,6 +176,7 @@ std::expected<StepReport, StepFailed> World::step(double at_most) {
     Attempt attempt;
     // A rougher answer counts where a shorter step does no better.
     const double tolerate = (cut == 0 ? 0.1 : 1) * own.options.solver.tolerate;
+    const std::vector<std::uint8_t> torn = own.torn;
     const auto failed = own.attempt(step, tolerate, attempt);
     if (!failed) {
       attempt.report.cuts = cut;
@@ -182,6 +186,7 @@ std::expected<StepReport, StepFailed> World::step(double at_most) {
       return own.close(attempt);
     }
     last = *failed;
+    own.torn = torn;
     if (cut < own.options.cuts) step /= 3;
   }
   own.place_all(own.state, false);
@@ -226,12 +231,13 @@ StepReport World::Impl::close(Attempt& done) {
 /// Groups whose bodies have all been at rest for ten steps sleep.
 void World::Impl::sleep_and_wake(const Attempt& done) {
   static_cast<void>(done);
-  if (!options.sleep || options.quasi_static) return;
+  if (options.quasi_static) return;
   constexpr std::uint8_t steps = 10;
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     const double speed = norm(state[b].v) + norm(spin(state[b], b)) * shapes[b].radius;
     quiet[b] = moves(b) && speed < options.sleep_speed ? static_cast<std::uint8_t>(std::min(quiet[b] + 1, 250)) : 0;
   }
+  if (!options.sleep) return;
   for (const Island& island : islands_of(touches)) {
     if (!std::ranges::all_of(island.bodies, [&](std::uint32_t b) { return quiet[b] >= steps; })) continue;
     for (const std::uint32_t b : island.bodies) {

@@ -29,9 +29,27 @@ struct State {
   Vec3 v, momentum;  ///< momentum: angular, axes of the body
 };
 
+/// Where pressure acts that is linear over a patch and nowhere a pull: the corners of its core (kern), one for each
+/// side of its hull, with their shares of its area, which balance about its middle. Empty where the patch is none.
+struct Core {
+  std::vector<Bond::Share> corners;
+  std::vector<Vec3> hull;
+};
+[[nodiscard]] Core core_of(const std::vector<Bond::Share>& patch, Vec3 normal);
+
 struct BondState {
   Bond bond;  ///< points and normal as at the start
+  Core core;
+  double pull = 0;  ///< the tension that counts, by area
   bool broken = false;
+  std::vector<Vec3> impulse = {};  ///< of its points, of the last step, scene axes
+};
+
+/// A point of a bond as it is now. Strengths by time.
+struct BondPoint {
+  Vec3 at_start;
+  double friction = 0, cohesion = 0, tension = 0;
+  bool shear = false;  ///< cohesion alone
 };
 
 /// Contact points and bodies that hang together.
@@ -41,11 +59,22 @@ struct Island {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> bonds;  ///< bond and share
 };
 
+/// Which bodies touch.
+struct TouchingPairs {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs = {};  ///< sorted, the smaller number first
+  std::vector<std::uint32_t> count = {};                            ///< by body
+};
+[[nodiscard]] TouchingPairs touching_pairs(const std::vector<Touch>& list, std::size_t bodies);
+
 struct Attempt {
   std::vector<State> state;
   std::vector<Touch> touches;
+  TouchingPairs before, pairs;  ///< of the last step; of this one
   std::vector<Contact> contacts;
   std::vector<std::uint32_t> broken;
+  std::vector<std::uint8_t> locked;  ///< by body: its group may be
+  std::vector<std::uint32_t> torn;   ///< bonds whose tension gave
+  std::vector<std::vector<Vec3>> bond_impulse;
   StepReport report;
   double work = 0, friction = 0, scheme = 0, projected = 0, gain = 0;
   Vec3 given;  ///< momentum, by loads and walls
@@ -58,6 +87,7 @@ struct World::Impl {
   std::vector<std::uint8_t> held;  ///< never moves
   std::vector<Surface> surfaces;
   std::vector<BondState> bonds;
+  std::vector<std::uint8_t> torn;  ///< by bond: it has no tension (any more)
   WorldOptions options;
   double extent = 0;
 
@@ -65,7 +95,7 @@ struct World::Impl {
   std::vector<State> state;
   std::vector<Touch> touches;  ///< of the last step, with impulses
   std::vector<Contact> contacts;
-  std::vector<std::uint8_t> asleep, quiet, implicit;
+  std::vector<std::uint8_t> asleep, quiet, implicit, locked;
   std::vector<Placed> placed;
   Energy energy;
   Vec3 expected;  ///< momentum, by all forces so far
@@ -100,10 +130,14 @@ struct World::Impl {
     Solution found;
     bool rebounds = false;
   };
-  [[nodiscard]] Solved solve_island(const Island& island, const std::vector<Touch>& list, const std::vector<State>& mid,
+  [[nodiscard]] Solved solve_island(const Island& island, const Attempt& so_far, const std::vector<State>& mid,
                                     double step, double tolerate) const;
+  /// Whether these bodies were a group of the last step that touched the same bodies, at rest: then whether it may be
+  /// locked.
+  [[nodiscard]] std::optional<bool> as_before(const Island& island, const Attempt& so_far) const;
   /// Impulses of contacts, and bonds that broke.
-  void note_contacts(const Island& island, const Solved& solved, double step, Attempt& out) const;
+  void note_contacts(const Island& island, const Solved& solved, const std::vector<State>& mid, double step,
+                     Attempt& out) const;
   /// All groups. False when some take another rule of the step from now on.
   [[nodiscard]] std::expected<bool, Failure> solve_all(const std::vector<State>& mid, double step, double tolerate,
                                                        Attempt& out);
@@ -119,6 +153,22 @@ struct World::Impl {
   void drift_body(State& s, std::uint32_t b, double h) const;
   void sleep_and_wake(const Attempt& done);
   void wake_touched();
+
+  // bonds.cpp
+  void add_bond(Bond bond);
+  [[nodiscard]] bool pulls(std::uint32_t bond) const { return !bonds[bond].broken && torn[bond] == 0; }
+  /// How many points it has: while it pulls those of its core and, for more cohesion than the apex needs, its shares.
+  [[nodiscard]] std::uint32_t points_of(std::uint32_t bond) const;
+  [[nodiscard]] BondPoint point_of(std::uint32_t bond, std::uint32_t number) const;
+  /// Point and normal now.
+  [[nodiscard]] std::pair<Vec3, Vec3> place_of(std::uint32_t bond, Vec3 at_start, const std::vector<State>& s) const;
+  /// What it bears in a step, and what it bore in the last one.
+  void set_law(std::uint32_t bond, std::uint32_t number, Vec3 normal, double step, Point& p) const;
+  /// Drops touches on patches that pull: nothing presses there but the points of the bond.
+  void drop_bonded(std::vector<Touch>& list, const std::vector<State>& s) const;
+  /// What one of its points carried, and whether it gave. `slip`: opening and slip.
+  void note_bond(std::uint32_t bond, std::uint32_t number, const Eigen::Vector3d& impulse, const Eigen::Vector3d& slip,
+                 const std::vector<State>& mid, double step, Attempt& out) const;
 
   // contacts.cpp
   void place_all(const std::vector<State>& s, bool everything);

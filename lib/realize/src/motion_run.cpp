@@ -122,25 +122,72 @@ std::vector<motion::Bond::Share> shares_of(const BlockComplex& complex, const to
   return out;
 }
 
+/// Strength that counts in pull: up to the apex of its line.
+double pull_of(const Strength& s) {
+  const double friction = tangent(s.friction);
+  return friction > 0 ? std::min(s.tension.si(), s.cohesion.si() / friction) : s.tension.si();
+}
+
+/// All that a face shares with a neighbour as one bond with tension: its corners, and areas that have its moments.
+/// None where its patches have several strengths: how they would share a pull is not known.
+std::optional<motion::Bond> pulling_bond(const Realization& made, const BlockComplex& complex,
+                                         const topology::Face& face, BlockId neighbour) {
+  std::optional<Strength> strength;
+  double area = 0;
+  for (const topology::Patch& patch : complex.patches(face)) {
+    if (patch.neighbour != neighbour) continue;
+    if (!patch.joint) return std::nullopt;
+    const Strength& own = made.joints[*patch.joint].strength;
+    if (strength && (own.cohesion != strength->cohesion || own.tension != strength->tension ||
+                     own.friction.degrees() != strength->friction.degrees())) {
+      return std::nullopt;
+    }
+    strength = own;
+    area += patch.area.si();
+  }
+  if (!strength || !(pull_of(*strength) > 0)) return std::nullopt;
+  const auto points = stability::spread_of(complex, face, neighbour);
+  if (!points) return std::nullopt;
+  motion::Bond bond;
+  bond.tension = strength->tension.si();
+  const Vec3 middle = 0.5 * ((*points)[0] + (*points)[1]) - complex.origin();
+  for (const Vec3 point : *points) {
+    const Vec3 at = point - complex.origin();
+    bond.shares.push_back({at, 0.25 * area});
+    bond.patch.push_back({middle + std::numbers::sqrt2 / 1.2 * (at - middle), 0.25 * area});
+  }
+  for (const Vec3 corner : stability::shared_corners(complex, face, neighbour)) {
+    bond.patch.push_back({corner - complex.origin(), 0});
+  }
+  return bond;
+}
+
 /// Cohesion and tension of the patches of blocks that are let go.
 void add_bonds(const BlockComplex& complex, const Realization& made, const std::vector<std::uint32_t>& body,
                MotionCast& cast) {
   for (const BlockId b : cast.moving) {
     for (const topology::FaceId f : complex.blocks()[b].faces) {
       const topology::Face& face = complex.faces()[f];
+      std::vector<BlockId> whole;  // neighbours whose bond is made
       for (const topology::Patch& patch : complex.patches(face)) {
         if (!patch.joint || !patch.neighbour) continue;
         const Strength& strength = made.joints[*patch.joint].strength;
         if (strength.cohesion.si() <= 0 && strength.tension.si() <= 0) continue;
         const std::uint32_t own = body[b.index()], other = body[patch.neighbour->index()];
         if (other == static_cast<std::uint32_t>(-1) || (other < own && other < cast.moving.size())) continue;
-        cast.scene.bonds.push_back({.body = own,
-                                    .other = other,
-                                    .normal = geometry::normalized(-face.outward),
-                                    .shares = shares_of(complex, face, patch),
-                                    .cohesion = strength.cohesion.si(),
-                                    .tension = strength.tension.si(),
-                                    .friction = tangent(strength.friction)});
+        if (std::ranges::find(whole, *patch.neighbour) != whole.end()) continue;
+        auto bond = pulling_bond(made, complex, face, *patch.neighbour);
+        if (bond) {
+          whole.push_back(*patch.neighbour);
+        } else {
+          bond.emplace().shares = shares_of(complex, face, patch);
+        }
+        bond->cohesion = strength.cohesion.si();
+        bond->friction = tangent(strength.friction);
+        bond->body = own;
+        bond->other = other;
+        bond->normal = geometry::normalized(-face.outward);
+        cast.scene.bonds.push_back(*std::move(bond));
       }
     }
   }

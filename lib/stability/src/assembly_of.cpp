@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cleave/core/assert.hpp"
+#include "cleave/stability/analyse.hpp"
 #include "flat.hpp"
 
 namespace cleave::stability {

@@ -50,10 +50,6 @@ void for_each_shared(const topology::BlockComplex& complex, const topology::Face
   }
 }
 
-/// Corners of the parts of it that have an area.
-[[nodiscard]] std::vector<geometry::Vec3> shared_corners(const topology::BlockComplex& complex,
-                                                         const topology::Face& face, topology::BlockId neighbour);
-
 /// Integral of a scalar q over an area, and of q x.
 struct Moments {
   double total = 0;

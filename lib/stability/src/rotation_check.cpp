@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "cleave/stability/analyse.hpp"
 #include "flat.hpp"
 #include "nonnegative.hpp"
 

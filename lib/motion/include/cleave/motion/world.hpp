@@ -99,8 +99,13 @@ struct BodySpec {
   Vec3 spin = {};      ///< 1/s, scene axes
 };
 
-/// Rock bridge or cement between two bodies: points that carry pull and shear beside friction, each its share of the
-/// area, until one of them gives; then the whole bond is gone.
+/// Rock bridge or cement between two bodies, until it gives.
+///
+/// Pull is brittle: stress is linear over the patch, and where its largest pull reaches the tension (at most the apex
+/// cohesion / friction of the line of Mohr and Coulomb) the whole patch has none any more, in the same step. A square
+/// of side b that hangs from a point e off its middle bears 1 / (1 + 6 e / b) of its tension. Until then nothing else
+/// presses there: pressure acts within the core of the patch. Cohesion is shared out over the points of `shares`,
+/// beside friction, and is gone after the step in which one of them slips or opens.
 struct Bond {
   struct Share {
     Vec3 point;
@@ -111,6 +116,9 @@ struct Bond {
   std::vector<Share> shares;
   double cohesion = 0, tension = 0;  ///< per area
   double friction = 0;               ///< tangent of the angle
+  /// Points whose hull is that of the patch and whose areas have its moments, up to the second, about its plane: those
+  /// of `add_triangle` do. Empty: `shares`.
+  std::vector<Share> patch = {};
 };
 /// Shares of a triangle: corners 1/12 each, centroid 3/4 (the wrench of a linear pressure is exact).
 void add_triangle(Vec3 a, Vec3 b, Vec3 c, std::vector<Bond::Share>& shares);

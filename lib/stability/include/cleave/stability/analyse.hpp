@@ -209,6 +209,11 @@ struct Barred {
                                                                      const topology::Face& face,
                                                                      topology::BlockId neighbour);
 
+/// Corners of the convex parts, or parts of them, that make up what a face shares with a neighbour: their hull is not
+/// smaller than its own.
+[[nodiscard]] std::vector<geometry::Vec3> shared_corners(const topology::BlockComplex& complex,
+                                                         const topology::Face& face, topology::BlockId neighbour);
+
 /// Blocks at free faces (or beside what has left) that touch a side of the domain that is not free are never judged:
 /// the rock beyond is unknown. This finds those of them that would be key blocks, in the state the analysis ends in,
 /// were these sides smooth joints. A side that such a block would stand on (one that looks up by more than 45 degrees)

@@ -1,0 +1,397 @@
+#include "cascade.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "interior.hpp"
+#include "judge.hpp"
+#include "newton.hpp"
+
+namespace cleave::motion {
+namespace {
+
+using Eigen::Vector3d;
+
+/// One try after the other, keeping the best answer.
+class Cascade {
+ public:
+  Cascade(const Group& group, const SolverOptions& options)
+      : group_{group}, options_{options}, scaled_{group}, newton_{scaled_}, interior_{scaled_} {
+    best_.impulse.assign(group.points.size(), Vector3d::Zero());
+    if (scaled_.unit > 0) run();
+  }
+  Solution take() && { return std::move(best_); }
+
+ private:
+  using Unknowns = std::vector<Vector3d>;
+
+  [[nodiscard]] bool done() const { return tried_ && best_.report.residual <= options_.accept; }
+  [[nodiscard]] std::size_t factors() const { return newton_.factors() + interior_.factors(); }
+  [[nodiscard]] bool spent() const { return factors() >= budget_; }
+
+  Unknowns start() const {
+    Unknowns x;
+    for (std::size_t k = 0; k < group_.points.size(); ++k) {
+      x.emplace_back(group_.points[k].start / scaled_.elements[k].scale);
+    }
+    return x;
+  }
+  /// Friction no larger than its bound.
+  Unknowns held_by_law(Unknowns x) const {
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      const Scaled::Element& e = scaled_.elements[k];
+      x[k][0] = e.shear ? 0 : std::max(x[k][0], -e.tension);
+      const double bound = std::max(0.0, e.mu * x[k][0] + e.cohesion), length = x[k].tail<2>().norm();
+      if (length > bound) x[k].tail<2>() *= bound / length;
+    }
+    return x;
+  }
+  Unknowns none() const { return Unknowns(group_.points.size(), Vector3d::Zero()); }
+
+  /// Its residual; kept when it is the best so far.
+  double look_at(const Unknowns& x, Method method) {
+    std::vector<Vector3d> impulse;
+    for (std::size_t k = 0; k < x.size(); ++k) impulse.emplace_back(x[k] * scaled_.elements[k].scale);
+    Response response = respond(group_, impulse);
+    const Judged judged = judge(group_, impulse, response);
+    if (tried_ && !(judged.residual < best_.report.residual)) return judged.residual;
+    tried_ = true;
+    best_.report.residual = judged.residual;
+    best_.report.missed_speed = judged.missed;
+    best_.report.method = method;
+    best_.impulse = std::move(impulse);
+    best_.velocity = std::move(response.velocity);
+    return judged.residual;
+  }
+
+  void coulomb(Unknowns x, Method method, const Newton::Schedule& schedule) {
+    (void)newton_.solve({.law = Law::coulomb}, x, schedule);
+    look_at(x, method);
+  }
+
+  /// From forces that are near.
+  void nearby(const Unknowns& x, Method method) {
+    for (const double rough : {1e-3, 1e-5}) {
+      if (!done()) coulomb(x, method, {.rough = rough, .fine = std::min(rough, 1e-6)});
+    }
+  }
+
+  void proximal(double fall) {
+    coulomb(none(), Method::proximal, {.rough = 1, .fine = 1e-7, .fall = fall, .recentrings = 3, .last = 6});
+  }
+
+  /// Sweeps to come near, Newton from there.
+  void by_sweeps(Unknowns x) {
+    Progress progress;
+    for (int round = 0; round < 40 && !done() && !spent() && progress.goes_on(best_.report.residual); ++round) {
+      sweep(scaled_, x, 100);
+      look_at(x, Method::sweeps);
+      if (done()) return;
+      nearby(x, Method::sweeps);
+    }
+  }
+
+  /// Interior points come near where Newton's iteration gets lost, as under a hundred blocks that begin to topple.
+  /// Then Newton; then proximal points at a weight that neither rounding nor slow modes spoil.
+  void by_interior() {
+    for (const bool coupled : {true, false}) {
+      for (const double weight : {1e-9, 0.0}) {
+        if (done()) return;
+        Unknowns x = none();
+        const double left = interior_.solve(x, {.weight = weight, .coupled = coupled});
+        look_at(x, Method::interior);
+        if (!(left < 1e-2) && is_large()) continue;  // far from any answer: Newton's iteration would get lost
+        for (const double rough : {1e-3, 1e-5, 1e-7}) {
+          if (done()) return;
+          Unknowns near = x;
+          (void)newton_.solve({.law = Law::coulomb}, near, {.rough = rough, .fine = std::min(rough, 1e-6)});
+          look_at(near, Method::interior);
+          settle();
+        }
+      }
+    }
+  }
+
+  /// From an answer that is nearly good enough, by points at one weight.
+  void settle(double weight = 3e-7) {
+    if (done() || !(best_.report.residual < 1e-6)) return;
+    Unknowns x;
+    for (std::size_t k = 0; k < best_.impulse.size(); ++k) {
+      x.emplace_back(best_.impulse[k] / scaled_.elements[k].scale);
+    }
+    coulomb(std::move(x), best_.report.method, {.rough = weight, .fine = weight, .last = 60, .finest = weight});
+  }
+
+  /// Ends rounds that get no nearer.
+  struct Progress {
+    double least = std::numeric_limits<double>::infinity();
+    int idle = 0;
+    bool goes_on(double residual) {
+      idle = residual < 0.7 * least ? 0 : idle + 1;
+      least = std::min(least, residual);
+      return idle <= 10;
+    }
+  };
+
+  std::vector<double> slips(const Unknowns& x) const {
+    std::vector<double> out;
+    for (const Vector3d& u : velocities(x)) out.push_back(u.tail<2>().norm());
+    return out;
+  }
+
+  /// Groups in which proximal points take hundreds of factors for one convex programme.
+  [[nodiscard]] bool is_large() const { return group_.mass.size() > 40; }
+  /// Interior points for them: quick, but right in the speeds of heavy bodies only.
+  [[nodiscard]] bool by_points() const { return is_large() && !exact_; }
+
+  /// Whether Newton's iteration may go on from an answer with this residual: in large groups it gets lost from far.
+  [[nodiscard]] bool is_near(double residual) const { return !by_points() || residual < 0.5; }
+
+  /// The slip given, the rest is one convex programme. Interior points solve it in some 25 factors however many points
+  /// there are; where they do not, and in small groups, proximal points from `x`. Returns what velocities may be off.
+  double cone(const Programme& programme, Unknowns& x, const Newton::Schedule& schedule, double goal) {
+    if (by_points()) {
+      Unknowns inner = none();
+      const double left =
+          interior_.solve(inner, {.weight = 1e-9, .goal = goal, .coupled = false, .given = programme.given});
+      if (left < std::max(10 * goal, 1e-6)) {
+        x = std::move(inner);
+        return left;
+      }
+    }
+    return newton_.solve(programme, x, schedule);
+  }
+
+  /// Forces without friction.
+  Unknowns smooth(double finest) {
+    Unknowns x = none();
+    if (by_points()) {
+      std::vector<double> friction;
+      std::vector<std::uint8_t> shear;
+      for (auto& e : scaled_.elements) {
+        friction.push_back(std::exchange(e.mu, 0));
+        shear.push_back(std::exchange(e.shear, false) ? 1 : 0);
+      }
+      const std::vector<double> still(x.size(), 0);
+      const double left = interior_.solve(x, {.weight = 1e-9, .goal = 1e-8, .coupled = false, .given = still});
+      for (std::size_t k = 0; k < friction.size(); ++k) {
+        scaled_.elements[k].mu = friction[k];
+        scaled_.elements[k].shear = shear[k] != 0;
+      }
+      if (left < 1e-6) return x;
+      x = none();
+    }
+    (void)newton_.solve({.law = Law::frictionless}, x, {.fine = 1e-5, .last = 4, .finest = finest});
+    return x;
+  }
+
+  /// The slip given, the rest is one convex programme; the slip is then renewed. From the slip without friction:
+  /// forces that only lock blocks between one another, and hold as well as not, are not found; from none they are.
+  enum class From : std::uint8_t { frictionless, rest };
+  void by_slip(From from, double finest, int last) {
+    Unknowns x = none();
+    Programme programme{.law = Law::cone, .given = std::vector<double>(x.size(), 0)};
+    if (from == From::frictionless) {
+      programme.given = slips(smooth(1e-5));
+    }
+    Progress progress;
+    for (int round = 0; round < 60 && !done() && !spent() && progress.goes_on(best_.report.residual); ++round) {
+      const double hidden =
+          cone(programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = last, .finest = finest}, 1e-8);
+      const double off = look_at(x, Method::convex);
+      if (done()) return;
+      const std::vector<double> slip = slips(x);
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        const double renewed = round < 20 ? slip[k] : 0.5 * (programme.given[k] + slip[k]);
+        programme.given[k] = slip[k] > 30 * hidden ? renewed : 0;
+      }
+      if (is_near(off)) nearby(x, Method::convex);
+    }
+  }
+
+  /// The bounds of friction given, the rest is one convex programme; the bounds are then renewed.
+  void by_bounds(double finest) {
+    Unknowns x = none();
+    Programme programme{.law = Law::tresca, .given = std::vector<double>(x.size(), 0)};
+    Progress progress;
+    for (int round = 0; round < 60 && !done() && !spent() && progress.goes_on(best_.report.residual); ++round) {
+      (void)newton_.solve(programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = 4, .finest = finest});
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        const Scaled::Element& e = scaled_.elements[k];
+        const double bound = std::max(0.0, e.mu * x[k][0] + e.cohesion);
+        programme.given[k] = round < 20 ? bound : 0.5 * (programme.given[k] + bound);
+      }
+      nearby(x, Method::convex);
+    }
+  }
+
+  std::vector<Vector3d> velocities(const Unknowns& x) const {
+    Eigen::VectorXd v = Eigen::VectorXd::Zero(6 * static_cast<Eigen::Index>(scaled_.bodies));
+    for (std::size_t k = 0; k < x.size(); ++k) scaled_.add(scaled_.elements[k], x[k], v);
+    std::vector<Vector3d> out;
+    for (const auto& e : scaled_.elements) out.push_back(scaled_.relative(e, v));
+    return out;
+  }
+
+  void run() {
+    bool warm = false;
+    for (const Point& p : group_.points) warm = warm || !p.start.isZero();
+    if (warm && group_.settled) look_at(held_by_law(start()), Method::newton);
+    // What it misses adds up to a speed, step by step: once it is looked at more closely the group goes to sleep.
+    constexpr double by_far = 1e-2;
+    const bool again = tried_ && best_.report.residual <= by_far * options_.accept;
+    if (warm && !again) coulomb(start(), Method::newton, {.rough = 1e-4, .fine = 1e-6});
+    if (warm && done() && group_.settled) {
+      best_.report.may_be_locked = *group_.settled;
+      best_.report.iterations = factors();
+      return;
+    }
+    if (!done()) coulomb(none(), Method::newton, {});
+    // Dear rounds of convex programmes come second in large groups. Elsewhere what moves is looked for in motion first.
+    const bool first = options_.locking && is_large();
+    if (!done() && first) by_interior();
+    if (!done()) by_slip(From::frictionless, 1e-5, 4);
+    if (by_points()) {
+      exact_ = true;
+      if (!done()) {
+        budget_ = factors() + options_.patience;
+        by_slip(From::frictionless, 1e-5, 4);
+      }
+    }
+    if (!done() && !options_.locking) by_slip(From::frictionless, 1e-8, 8);
+    if (!done() && options_.locking && !first) by_interior();
+    if (!done() && !spent() && options_.locking) by_slip(From::rest, 1e-5, 4);
+    if (!done() && best_.report.residual < 1e-4 && options_.locking) by_slip(From::rest, 1e-8, 8);
+    if (!done() && !spent()) by_sweeps(warm ? start() : none());
+    for (const double finest : {1e-5, 1e-10}) {
+      if (!options_.locking) break;
+      if (!done() && !spent()) by_bounds(finest);
+      if (!done() && !spent()) by_slip(From::rest, 0.1 * finest, 8);
+    }
+    if (!done() && !spent()) proximal(0.1);
+    if (!done() && !spent()) proximal(1.0 / 3);
+    // What is left is rounding, more or less of it by the weight.
+    for (const double weight : {1e-7, 1e-6, 3e-8, 3e-6}) settle(weight);
+    const bool usable = done() || best_.report.residual <= options_.tolerate;
+    if (usable && options_.prefer_motion) prefer_motion();
+    best_.report.iterations = factors();
+  }
+
+  /// Kinetic energy over the one that bodies have without contacts.
+  [[nodiscard]] double motion_of(const std::vector<Vector6>& velocity) const {
+    double kept = 0, free = 0;
+    for (std::size_t b = 0; b < velocity.size(); ++b) {
+      kept += velocity[b].dot(group_.mass[b] * velocity[b]);
+      free += group_.free[b].dot(group_.mass[b] * group_.free[b]);
+    }
+    return free > 0 ? kept / free : 0;
+  }
+
+  [[nodiscard]] std::vector<Vector6> velocities_of(const Unknowns& x) const {
+    std::vector<Vector3d> impulse;
+    for (std::size_t k = 0; k < x.size(); ++k) impulse.emplace_back(x[k] * scaled_.elements[k].scale);
+    return respond(group_, impulse).velocity;
+  }
+
+  /// Whether a body stands that would move without contacts, and friction may be why.
+  [[nodiscard]] bool somebody_stands() const {
+    double fastest = 0;
+    for (const Vector6& v : group_.free) fastest = std::max(fastest, v.norm());
+    for (const Point& p : group_.points) {
+      if (!(p.mu > 0)) continue;
+      for (const std::optional<std::uint32_t> b : {std::optional{p.body}, p.other}) {
+        if (!b || group_.free[*b].norm() <= 1e-6 * fastest) continue;
+        if (best_.velocity[*b].norm() <= 1e-6 * fastest) return true;
+      }
+    }
+    return false;
+  }
+
+  /// Coulomb's problem may have several answers. One in which bodies stand counts only where the search from motion,
+  /// friction followed up from none, ends in no other one that keeps more of the motion.
+  void prefer_motion() {
+    if (!somebody_stands()) return;
+    exact_ = false;
+    Unknowns free = smooth(1e-8);
+    // Interior points leave some rounding of their own: what is near is looked at with the last digits.
+    if (is_large() && motion_of(velocities_of(free)) <= motion_of(best_.velocity) + 1e-4) {
+      (void)newton_.solve({.law = Law::frictionless}, free, {.rough = 1e-3, .fine = 1e-5, .last = 4, .finest = 1e-8});
+    }
+    if (motion_of(velocities_of(free)) <= motion_of(best_.velocity) + 1e-9) return;  // stands without friction
+    Solution standing = std::move(best_);
+    best_ = {};
+    best_.impulse.assign(group_.points.size(), Vector3d::Zero());
+    tried_ = false;
+    budget_ = factors() + options_.patience;
+    by_rising_friction(std::move(free));
+    if (!done() && by_points()) {
+      exact_ = true;
+      budget_ = factors() + options_.patience;
+      by_rising_friction(smooth(1e-8));
+    }
+    const bool found = done();
+    // A rough answer that moves counts for more than one that stands: what stands by it would be safe by mistake.
+    const double gained = motion_of(best_.velocity) - motion_of(standing.velocity);
+    const bool rough = tried_ && best_.report.residual <= options_.tolerate && gained > 0.1;
+    const bool other = rough || (found && gained > 1e-9);
+    standing.report.may_be_locked = other || !found;
+    if (other) {
+      best_.report.may_be_locked = true;
+    } else {
+      best_ = std::move(standing);
+    }
+  }
+
+  /// The slip of one share of the friction is where the next one starts.
+  void by_rising_friction(Unknowns x) {
+    std::vector<double> friction;
+    for (const auto& e : scaled_.elements) friction.push_back(e.mu);
+    Programme programme{.law = Law::cone, .given = slips(x)};
+    constexpr double shares = 8;
+    for (double k = 1; k <= shares && !done() && !spent(); ++k) {
+      for (std::size_t e = 0; e < friction.size(); ++e) scaled_.elements[e].mu = k / shares * friction[e];
+      const bool last = k >= shares;
+      Progress progress;
+      for (int round = 0; round < (last ? 60 : by_points() ? 2 : 6) && !spent(); ++round) {
+        const double hidden =
+            cone(programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = 4, .finest = 1e-5},
+                 last ? 1e-8 : 1e-6);
+        double change = 0, largest = 0;
+        const std::vector<double> slip = slips(x);
+        for (std::size_t e = 0; e < slip.size(); ++e) {
+          const double renewed = slip[e] > 30 * hidden ? slip[e] : 0;
+          change = std::max(change, std::abs(renewed - programme.given[e]));
+          largest = std::max(largest, renewed);
+          programme.given[e] = renewed;
+        }
+        if (last) {
+          if (is_near(look_at(x, Method::convex))) nearby(x, Method::convex);
+          if (done() || !progress.goes_on(best_.report.residual)) break;
+        } else if (change <= 1e-3 * largest) {
+          break;
+        }
+      }
+    }
+    for (std::size_t e = 0; e < friction.size(); ++e) scaled_.elements[e].mu = friction[e];
+  }
+
+  const Group& group_;
+  const SolverOptions& options_;
+  Scaled scaled_;
+  Newton newton_;
+  Interior interior_;
+  Solution best_;
+  bool tried_ = false;
+  bool exact_ = false;  ///< no interior points for one programme: they did not lead to an answer
+  std::size_t budget_ = options_.patience;
+};
+
+}  // namespace
+
+Solution best_answer(const Group& group, const SolverOptions& options) { return Cascade{group, options}.take(); }
+
+}  // namespace cleave::motion
