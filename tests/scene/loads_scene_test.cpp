@@ -142,7 +142,7 @@ TEST(LoadsSceneTest, ForcesOffTheRockAreRefused) {
 TEST(LoadsSceneTest, SurchargesThatLoadNothingAreRefused) {
   for (const std::string_view load :
        {"{ on = \"top\", within = { min = [50, 50, 0], max = [60, 60, 9] }, pressure = 1 }",
-        "{ on = \"x_max\", pressure = 1 }"}) {
+        "{ on = \"east\", pressure = 1 }"}) {
     const Scene scene = scene_of(with_box(fmt::format("[stability]\nfree = [\"top\"]\nsurcharge = [{}]\n", load)));
     StageTimer timer;
     Progress progress{ProgressStyle::quiet};
