@@ -109,10 +109,10 @@ TEST(TouchingSurfaces, JointsInThePlanesOfTheWalls) {
     const double width = 4 + 6 * u(), height = 3 + 3 * u(), azimuth = k % 2 == 0 ? 0 : 360 * u() * degree;
     const Vec3 along{std::sin(azimuth), std::cos(azimuth), 0}, right{along.y, -along.x, 0};
     const Vec3 middle{k % 2 == 0 ? 0 : 50 * u(), k % 2 == 0 ? 0 : -50 * u(), 0};
-    auto input = scene(
-        box(middle - Vec3{30, 30, 30}, middle + Vec3{30, 30, 30}), {},
-        {geometry::make_tunnel(geometry::RectangleSection{metres(width), metres(height)}, {middle - 20 * along, middle + 20 * along})
-             .value()});
+    auto input = scene(box(middle - Vec3{30, 30, 30}, middle + Vec3{30, 30, 30}), {},
+                       {geometry::make_tunnel(geometry::RectangleSection{metres(width), metres(height)},
+                                              {middle - 20 * along, middle + 20 * along})
+                            .value()});
     const auto p = [&](double x, double y, double z) { return middle + x * right + y * along + Vec3{0, 0, z}; };
     const double w = width / 2, roof = height / 2, top = roof + 2;
     add(input, {{p(-w, -5, roof), p(-w, 5, roof), p(-w, 5, top + 1), p(-w, -5, top + 1)},

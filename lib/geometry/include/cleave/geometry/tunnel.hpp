@@ -118,8 +118,8 @@ inline constexpr Length opening_quantum = metres(0x1p-30);
 /// `axis`: at least two points (m), the polyline through the centres of the section's bounding box; caps at right
 /// angles to its first and last segment, mitre planes at the bends (the section keeps its true shape across every
 /// segment). Points on a straight line add nothing. u = axis x v points to the right. Corners are rounded to
-/// `opening_quantum`, and the far corner of each side of a straight axis is the near corner plus exactly the same vector,
-/// so that sides stay exactly planar parallelograms on the cutter's lattice.
+/// `opening_quantum`, and the far corner of each side of a straight axis is the near corner plus exactly the same
+/// vector, so that sides stay exactly planar parallelograms on the cutter's lattice.
 [[nodiscard]] std::expected<Solid, TunnelError> make_tunnel(const Section& section, const std::vector<Vec3>& axis,
                                                             const TunnelOptions& options = {});
 
