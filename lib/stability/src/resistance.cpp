@@ -103,8 +103,8 @@ class OpeningTension final {
   /// N; a lower bound of that least, by the method of ellipsoids.
   [[nodiscard]] double least() const {
     if (!(straight_ > 0)) return 0;
-    constexpr int most_rounds = 600;
-    constexpr double widest = 1e6;  // what is nearer to upright than one in this many is upright
+    constexpr int most_rounds = 1000;
+    constexpr double widest = 1e3;  // what is nearer to upright than one in this many is upright
     std::array<double, 2> at{0, 0};
     std::array<std::array<double, 2>, 2> axes{{{widest, 0}, {0, widest}}};  // of the ellipse that holds the least
     double best = straight_, bound = 0;
@@ -151,7 +151,7 @@ class OpeningTension final {
     double value = 0;
     Vec3 slope{};
     for (const Touching& t : touching_) {
-      constexpr double rounding = 1e-9;
+      constexpr double rounding = 1e-8;
       const double opens = dot(t.normal, u) - dot(t.normal, along_);  // along_ is on it but for rounding
       if (opens < -rounding) return {std::nullopt, parts(-t.normal)};
       if (opens <= t.tan_friction) continue;
