@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <csignal>
 #include <cstddef>
 #include <cstdlib>
 #include <map>
@@ -206,14 +207,16 @@ TEST_P(FaultsTest, AKilledRunIsMadeAgainWithTheSameBytes) {
   }
 }
 
+// By the shell's word, or by a signal in the loader: the program's own first line is to catch those.
+bool is_loaded(const Ended& ended) { return ended.code != 127 && ended.code != 128 + SIGSEGV; }
+
 // A limit of memory, ever smaller, until the program is not even loaded: the machine's fault, said so.
 TEST_P(FaultsTest, LessAndLessMemory) {
-  constexpr int not_loaded = 127;
   bool refused = false;
   for (int megabytes = 80; megabytes > 0; megabytes -= 2) {
     const std::string limit = "ulimit -v " + std::to_string(megabytes * 1000);
     const Ended ended = shell(limit + "; cleave " + GetParam().command);
-    if (ended.code == not_loaded) break;
+    if (!is_loaded(ended)) break;
     expect_whole_or_refused(limit, ended);
     refused = refused || ended.code == 3;
     fs::remove_all(path("out"));
@@ -226,6 +229,22 @@ INSTANTIATE_TEST_SUITE_P(Runs, FaultsTest,
                                          Kind{"ensemble", blocks() + "[monte_carlo]\nrealizations = 4\n"},
                                          Kind{"contact", std::string{two_blocks}}, Kind{"elastic", std::string{plate}}),
                          [](const auto& of) { return of.param.name; });
+
+// From the least memory with which the program is loaded, in steps of two pages: what is made ahead of main comes first.
+using MemoryTest = ProgramTest;
+TEST_F(MemoryTest, WhatIsMissingAtTheStartIsSaid) {
+  const auto with = [&](int kilobytes) { return shell("ulimit -v " + std::to_string(kilobytes) + "; cleave --version"); };
+  int loaded = 80'000, too_little = 2'000;
+  while (loaded - too_little > 4) {
+    const int middle = (loaded + too_little) / 2;
+    (is_loaded(with(middle)) ? loaded : too_little) = middle;
+  }
+  for (int more = 0; more < 2'400; more += 8) {
+    SCOPED_TRACE(loaded + more);
+    const Ended ended = with(loaded + more);
+    EXPECT_TRUE(ended.code == 0 || (ended.code == 3 && ended.err.starts_with("error: memory"))) << ended.err;
+  }
+}
 
 }  // namespace
 }  // namespace cleave::cli::test

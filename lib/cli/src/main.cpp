@@ -92,9 +92,26 @@ void watch_for_crashes() {
 #endif
   ::signal(SIGXFSZ, SIG_IGN);  // a file size limit is then a failed write like a full disk
   ::signal(SIGPIPE, SIG_IGN);  // and so is a reader that has gone: folders under work are still taken away
-  reserve = std::malloc(reserved_bytes);
   std::set_new_handler(on_no_memory);
   usual_end = std::set_terminate(on_terminate);
+}
+
+/// Under a limit of addresses the stack cannot grow later, and that would look like a crash.
+[[gnu::noinline]] void take_stack() {
+  constexpr std::size_t bytes = 1U << 20U;
+  std::array<volatile char, bytes> stack;
+  stack.front() = 0;
+}
+
+/// What the program itself needs is taken while it can still say that it is not there: before all that is constructed
+/// ahead of main, which may find no memory as well.
+[[gnu::constructor(101)]] void on_load() {
+  watch_for_crashes();
+  out_of_memory = true;  // the signal for a stack that cannot grow
+  take_stack();
+  reserve = std::malloc(reserved_bytes);
+  if (reserve == nullptr) on_crash(SIGSEGV);
+  out_of_memory = false;
 }
 
 unsigned threads_of_machine() { return std::max(1U, std::thread::hardware_concurrency()); }
@@ -345,7 +362,6 @@ ExitCode run_program(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace cleave::cli;
-  watch_for_crashes();
   ExitCode end = ExitCode::bug;
   try {
     end = run_program(argc, argv);

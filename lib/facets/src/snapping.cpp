@@ -16,10 +16,19 @@ namespace {
 using exact::LatticePoint;
 using exact::Plane;
 using exact::Sign;
+using geometry::Vec3;
 
 double length(const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 double sine(const std::array<double, 3>& a, const std::array<double, 3>& b) {
   return length({a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]});
+}
+
+/// Whether what lies left of a -> b in the plane with this normal is on the plane's positive side, which goes through
+/// both.
+bool to_the_left(const std::array<double, 3>& normal, LatticePoint a, LatticePoint b, const Plane& plane) {
+  const Vec3 side{static_cast<double>(b.x - a.x), static_cast<double>(b.y - a.y), static_cast<double>(b.z - a.z)};
+  const auto n = plane.unit_normal();
+  return geometry::dot(geometry::cross({normal[0], normal[1], normal[2]}, side), {n[0], n[1], n[2]}) > 0;
 }
 
 /// Puts planes in an order of their own.
@@ -283,7 +292,8 @@ std::vector<std::optional<HalfSpace>> Snapper::adopt_edges(
       const double off = std::max(distance_sites(other.plane, a), distance_sites(other.plane, b));
       if (nearest != nullptr && (off > least || (!(off < least) && key_of(nearest->plane) <= key_of(other.plane))))
         continue;
-      // The polygon's inside is where its corner farthest from that plane lies.
+      // The inside of a convex polygon is where its corner farthest from that plane lies; of others what is left of the
+      // side.
       double farthest = 0;
       bool side = true;
       for (const LatticePoint c : polygon.corners) {
@@ -292,6 +302,7 @@ std::vector<std::optional<HalfSpace>> Snapper::adopt_edges(
           side = other.plane.side_of(c) == Sign::positive;
         }
       }
+      if (!polygon.convex) side = to_the_left(own, a, b, other.plane);
       if (farthest <= 4 * distance_sites_) continue;
       nearest = &other;
       least = off;
