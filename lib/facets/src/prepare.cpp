@@ -108,8 +108,10 @@ Preparation::Done Preparation::add_solid(const geometry::Solid& solid, Owner own
     for (const std::uint32_t v : face.corners) corners.push_back(sites[v]);
     const auto polygon = make_lattice_polygon(std::move(corners));
     if (!polygon) continue;
-    if (snapper_.active()) snapper_.remember(*polygon);
-    if (!clips) surfaces_.add(*polygon, owner == Owner::domain);
+    if (snapper_.active()) snapper_.remember(*polygon, !clips);
+    if (clips) continue;
+    surfaces_.add(*polygon, owner == Owner::domain);
+    if (snapper_.active()) within_snap_.add(*polygon, owner == Owner::domain);
   }
   return {};
 }
@@ -127,7 +129,9 @@ Preparation::Done Preparation::add_solids() {
     return std::ranges::count(out_.planes[side.plane].normal(), exact::Int128{0}) == 2;
   });
   if (touch_) builder_.adoption_margin_ += 2000 * touch_->reach() / lattice_.pitch() * lattice_unit;
-  surfaces_.finish(std::max(roundings(), 2 * geometry::opening_quantum.si() / lattice_.pitch()));
+  const double reach = std::max(roundings(), 2 * geometry::opening_quantum.si() / lattice_.pitch());
+  surfaces_.finish(reach);
+  within_snap_.finish(std::max(reach, input_.snap.si() / lattice_.pitch()));
   return {};
 }
 
@@ -194,11 +198,15 @@ void Preparation::touch_domain() {
 void Preparation::touch_surfaces() {
   for (std::size_t k = 0; k < polygons_.size(); ++k) {
     const JointPolygon& entry = polygons_[k];
-    if (beside_[k] != 0 || !surfaces_.near(entry.corners)) continue;
-    const auto polygon = make_lattice_polygon(entry.corners, shared_.among(entry.corners));
-    if (polygon) surfaces_.look(*polygon);
+    if (beside_[k] != 0 || !(surfaces_.near(entry.corners) || within_snap_.near(entry.corners))) continue;
+    const std::vector<std::size_t> shared = shared_.among(entry.corners);
+    const auto polygon = make_lattice_polygon(entry.corners, shared);
+    if (!polygon) continue;
+    const bool by_corners = snapper_.active() && (!polygon->convex || !shared.empty());
+    (by_corners ? within_snap_ : surfaces_).look(*polygon);
   }
   move_beyond(surfaces_);
+  move_beyond(within_snap_);
 }
 
 /// What ends on another joint, from the side on which it lies.

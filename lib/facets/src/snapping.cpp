@@ -135,8 +135,10 @@ std::vector<SnappedJoint> Snapper::changed() const {
   return all;
 }
 
-void Snapper::remember(const LatticePolygon& polygon) {
-  if (active()) surfaces_.push_back(polygon);
+void Snapper::remember(const LatticePolygon& polygon, bool reached_by_corners) {
+  if (!active()) return;
+  if (reached_by_corners) by_corners_.push_back(surfaces_.size());
+  surfaces_.push_back(polygon);
 }
 
 void Snapper::remember(const Plane& persistent) {
@@ -288,6 +290,8 @@ std::vector<std::optional<HalfSpace>> Snapper::adopt_edges(
       const LatticePolygon& other = surface(polygons, k);
       if (k >= surfaces_.size() && polygons[k - surfaces_.size()].folded) continue;
       if (!near_polygon(other, a) || !near_polygon(other, b)) continue;
+      // Where a polygon goes round a corner of an opening, its pieces would end on two walls with a slit between them.
+      if (!polygon.convex && std::ranges::binary_search(by_corners_, k)) continue;
       if (sine(own, other.plane.unit_normal()) < 1e-3) continue;  // the same plane: ending on it means nothing
       const double off = std::max(distance_sites(other.plane, a), distance_sites(other.plane, b));
       if (nearest != nullptr && (off > least || (!(off < least) && key_of(nearest->plane) <= key_of(other.plane))))

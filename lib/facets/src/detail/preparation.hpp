@@ -160,6 +160,7 @@ class Preparation {
   FacetBuilder builder_;
   std::optional<DomainTouch> touch_;
   SurfaceTouch surfaces_;             ///< of excavations, and of a domain that is not convex
+  SurfaceTouch within_snap_;          ///< the same, for polygons whose sides cannot all adopt planes
   std::vector<LatticePoint> beyond_;  ///< corners that were moved beyond these, sorted
   SharedCorners shared_;
   std::vector<JointPolygon> polygons_;

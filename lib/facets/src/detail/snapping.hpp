@@ -37,7 +37,8 @@ class Snapper final {
   /// Notes a polygon with a side so short that its ends may be moved past each other.
   void compare(std::span<const geometry::Vec3> corners, Index joint);
   /// A surface that polygons may snap to.
-  void remember(const LatticePolygon& polygon);
+  /// `reached_by_corners`: polygons that are not convex end on it by their corners, not by its plane.
+  void remember(const LatticePolygon& polygon, bool reached_by_corners);
   void remember(const exact::Plane& persistent);
 
   /// Gives polygons that are meant to lie on one plane that plane.
@@ -80,6 +81,7 @@ class Snapper final {
   Weld weld_;
   std::vector<LatticePolygon> surfaces_;  ///< faces of solids and persistent joints; joint polygons are numbered on
   std::vector<std::size_t> persistent_;   ///< which of them have no end
+  std::vector<std::size_t> by_corners_;   ///< which of them polygons that are not convex reach by their corners
   std::vector<std::size_t> boxed_;        ///< which surface each box is of
   std::vector<geometry::Box> boxes_;
   std::unique_ptr<geometry::BoxTree> tree_;  ///< over `boxes_`
