@@ -230,10 +230,13 @@ INSTANTIATE_TEST_SUITE_P(Runs, FaultsTest,
                                          Kind{"contact", std::string{two_blocks}}, Kind{"elastic", std::string{plate}}),
                          [](const auto& of) { return of.param.name; });
 
-// From the least memory with which the program is loaded, in steps of two pages: what is made ahead of main comes first.
+// From the least memory with which the program is loaded, in steps of two pages: what is made ahead of main comes
+// first.
 using MemoryTest = ProgramTest;
 TEST_F(MemoryTest, WhatIsMissingAtTheStartIsSaid) {
-  const auto with = [&](int kilobytes) { return shell("ulimit -v " + std::to_string(kilobytes) + "; cleave --version"); };
+  const auto with = [&](int kilobytes) {
+    return shell("ulimit -v " + std::to_string(kilobytes) + "; cleave --version");
+  };
   int loaded = 80'000, too_little = 2'000;
   while (loaded - too_little > 4) {
     const int middle = (loaded + too_little) / 2;

@@ -176,9 +176,9 @@ TEST(TouchingSurfaces, JointsThatGoRoundATunnel) {
       for (int i = last; i >= first; --i) corners.push_back(p(outline[static_cast<std::size_t>(i % count)], 40));
       return corners;
     };
-    auto input = scene(box({-20, -20, -20}, {20, 20, 20}), {},
-                       {geometry::make_tunnel(geometry::PolygonSection{outline}, {middle - 40 * along, middle + 40 * along})
-                            .value()});
+    auto input = scene(
+        box({-20, -20, -20}, {20, 20, 20}), {},
+        {geometry::make_tunnel(geometry::PolygonSection{outline}, {middle - 40 * along, middle + 40 * along}).value()});
     add(input, {round(0, part), round(part, count)});
     input.snap = metres(std::array{0.0, 1e-9, 1e-6}[static_cast<std::size_t>(k / 3 % 3)]);
     const auto audited = certified(input);
@@ -188,11 +188,13 @@ TEST(TouchingSurfaces, JointsThatGoRoundATunnel) {
 }
 
 TEST(TouchingSurfaces, ANotchThatEndsOnAnotherJoint) {
-  // Its bottom adopts the joint's plane with the side on which the polygon goes on, not the one its arms reach far into.
+  // Its bottom adopts the joint's plane with the side on which the polygon goes on, not the one its arms reach far
+  // into.
   for (const double off : {0.0, 3e-7, -3e-7}) {
     auto input = scene(box({-5, -5, -5}, {5, 5, 5}));
     input.joints.emplace_back(topology::PersistentJoint{{0, 0, 0}, {1, 0, 0}});
-    add(input, {{{-20, -20, 0}, {30, -20, 0}, {30, -2, 0}, {off, -2, 0}, {off, 2, 0}, {30, 2, 0}, {30, 20, 0}, {-20, 20, 0}}});
+    add(input,
+        {{{-20, -20, 0}, {30, -20, 0}, {30, -2, 0}, {off, -2, 0}, {off, 2, 0}, {30, 2, 0}, {30, 20, 0}, {-20, 20, 0}}});
     input.snap = metres(1e-6);
     const auto audited = certified(input);
     // Where a cut through the polygon goes on in the line of the bottom, the gap stays and is noted.
