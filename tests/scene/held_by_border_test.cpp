@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
+#include "cleave/realize/places.hpp"
 #include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
 #include "run_notes.hpp"
@@ -253,6 +256,45 @@ TEST(PressureDiagram, PercentilesAreOfAreaNotOfBlocks) {
   EXPECT_EQ(rows[1].p50.si(), 2e3);
   EXPECT_EQ(rows[1].p90.si(), 3e3);
   EXPECT_EQ(rows[2].largest.si(), 0);
+}
+
+TEST(PressureDiagram, HasARowForEveryPlaceThatABlockCanBeAt) {
+  std::vector<PressureAt> blocks;
+  for (const std::string_view place : all_locations()) blocks.push_back({place, square_metres(1), pascals(5)});
+  EXPECT_EQ(pressure_diagram(blocks).size(), all_locations().size());
+  for (const std::string_view place : {"slope", "bench", "face", "east wall", "left wall"}) {
+    const auto rows = pressure_diagram({{place, square_metres(2), pascals(7)}});
+    ASSERT_EQ(rows.size(), 1U) << place;
+    EXPECT_EQ(rows[0].place, place);
+  }
+}
+
+TEST(SectionAxes, ShaftsHaveTheirWallsByTheCompass) {
+  using geometry::Vec3;
+  // Along a tunnel to the north, east lies to the right; to the south, to the left; a decline of 69 degrees is one yet.
+  const SectionAxes north{{0, 3, 0}, {0, 0, 1}}, south{{0, -3, 0}, {0, 0, 1}};
+  EXPECT_EQ(north.location_of({2, 0, 1}), "right wall");
+  EXPECT_EQ(south.location_of({2, 0, 1}), "left wall");
+  EXPECT_EQ(north.location_of({0, 0, -1}), "floor");
+  EXPECT_EQ(north.position_of({-1, 0, 1}), "upper left");
+  EXPECT_DOUBLE_EQ(north.clock_of({1, 0, 0}), 3);
+  const auto plunging = [](double degrees) {
+    const double plunge = degrees * std::numbers::pi / 180;
+    return SectionAxes{{0, std::cos(plunge), -std::sin(plunge)}, {0, 0, 1}};
+  };
+  EXPECT_FALSE(plunging(69).at_shaft());
+  EXPECT_EQ(plunging(69).location_of(plunging(69).up()), "roof");
+  // Whichever way is called up, and whether it goes up or down.
+  for (const SectionAxes& shaft :
+       {plunging(71), SectionAxes{{0, 0, -1}, {1, 0, 0}}, SectionAxes{{0, 0, 2}, {0, 1, 0}}}) {
+    EXPECT_TRUE(shaft.at_shaft());
+    EXPECT_EQ(shaft.location_of({0.2, 1, 0}), "north wall");
+    EXPECT_EQ(shaft.location_of({1, 0.2, 0}), "east wall");
+    EXPECT_EQ(shaft.location_of({0.2, -1, 0}), "south wall");
+    EXPECT_EQ(shaft.location_of({-1, 0.2, 0}), "west wall");
+    EXPECT_EQ(shaft.position_of({-1, -1, 0}), "southwest");
+    EXPECT_EQ(shaft.position_of({1, 0, 0}), "east");
+  }
 }
 
 }  // namespace

@@ -86,7 +86,7 @@ std::vector<PressureFigures> pressure_diagram(std::vector<PressureAt> blocks) {
   std::erase_if(blocks, [](const PressureAt& b) { return !(b.area.si() > 0); });
   std::ranges::stable_sort(blocks, {}, [](const PressureAt& b) { return b.pressure.si(); });
   std::vector<PressureFigures> places;
-  for (const std::string_view place : {"roof", "left wall", "right wall", "floor", "face"}) {
+  for (const std::string_view place : all_locations()) {
     PressureFigures row{.place = std::string{place}, .area = {}, .p50 = {}, .p90 = {}, .p95 = {}, .largest = {}};
     std::vector<PressureAt> here;
     std::ranges::copy_if(blocks, std::back_inserter(here), [&](const PressureAt& b) { return b.place == place; });

@@ -40,14 +40,6 @@ stability::JointStrength median_strength(const JointProperties& p) {
       Strength{p.friction.quantile(half), p.cohesion.quantile(half), p.tension.quantile(half), p.jrc, p.jcs});
 }
 
-/// One of eight, from up to the right.
-std::string_view position_of(double right, double up) {
-  static constexpr std::array<std::string_view, 8> names{"roof",  "upper right", "right", "lower right",
-                                                         "floor", "lower left",  "left",  "upper left"};
-  const double eighths = std::atan2(right, up) / (std::numbers::pi / 4);
-  return names[static_cast<std::size_t>(std::lround(eighths) + 8) % 8];
-}
-
 }  // namespace
 
 void judge_maximum_blocks(const Scene& scene, Realization& made) {
@@ -70,10 +62,9 @@ void judge_maximum_blocks(const Scene& scene, Realization& made) {
     used.push_back(set);
   }
   const TunnelLine& line = *scene.excavations[wanted.excavation].tunnel;
-  const Vec3 axis = geometry::normalized(line.axis[1] - line.axis[0]);
-  const Vec3 right = geometry::normalized(geometry::cross(axis, line.up));
+  const SectionAxes section{line.axis[1] - line.axis[0], line.up};
   const stability::ConvexTunnel tunnel{
-      .axis = axis, .right = right, .up = geometry::cross(right, axis), .outline = line.outline};
+      .axis = section.axis(), .right = section.right(), .up = section.up(), .outline = line.outline};
   const Targets target = scene.stability->target.value_or(Targets{});
   const auto partial = stability::PartialFactors::make(
       scene.stability->partial.friction, scene.stability->partial.cohesion, scene.stability->partial.weight);
@@ -85,9 +76,9 @@ void judge_maximum_blocks(const Scene& scene, Realization& made) {
                                      .target_falling = target.falling,
                                      .target_sliding = target.sliding};
   for (auto& block : stability::maximum_key_blocks(planes, tunnel, loads, {wanted.trace, wanted.size})) {
-    MaximumRow row{
-        .sets = {}, .block = block, .where = std::string{location_of(block.block.apex[0], block.block.apex[1])}};
-    row.position = position_of(block.block.apex[0], block.block.apex[1]);
+    const Vec3 apex = block.block.apex[0] * section.right() + block.block.apex[1] * section.up();
+    MaximumRow row{.sets = {}, .block = block, .where = std::string{section.location_of(apex)}};
+    row.position = section.position_of(apex);
     for (std::size_t i = 0; i < 3; ++i) row.sets[i] = scene.sets[used[block.planes[i]]].name;
     made.maximum_blocks.push_back(std::move(row));
   }

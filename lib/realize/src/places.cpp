@@ -1,6 +1,7 @@
 #include "cleave/realize/places.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -56,6 +57,14 @@ double distance_to_face(const topology::BlockComplex& complex, const topology::F
   return inside ? height : nearest;
 }
 
+constexpr double steepest_tunnel = 70 * std::numbers::pi / 180;  // what plunges more is a shaft
+
+/// Of so many equal parts of a circle, the first in the middle of `up` and on to the right.
+std::size_t nearest_of(int parts, double right, double up) {
+  const double part = std::atan2(right, up) * parts / (2 * std::numbers::pi);
+  return static_cast<std::size_t>((std::lround(part) + parts) % parts);
+}
+
 /// Depth and extent of a block.
 void measure(const topology::BlockComplex& complex, topology::BlockId block, BlockPlace& place) {
   std::vector<topology::VertexId> corners, open;  // of its faces, of the free ones
@@ -87,16 +96,41 @@ void measure(const topology::BlockComplex& complex, topology::BlockId block, Blo
 
 }  // namespace
 
-double clock_of(double right, double up) {
-  const double hours = std::atan2(right, up) * 6 / std::numbers::pi;
+SectionAxes::SectionAxes(Vec3 axis, Vec3 up)
+    : axis_{geometry::normalized(axis)},
+      right_{geometry::normalized(cross(axis_, up))},
+      up_{cross(right_, axis_)},
+      shaft_{std::abs(axis_.z) >= std::sin(steepest_tunnel)} {}
+
+std::string_view SectionAxes::location_of(Vec3 away) const {
+  static constexpr std::array<std::string_view, 4> at_tunnel{"roof", "right wall", "floor", "left wall"};
+  static constexpr std::array<std::string_view, 4> at_shaft{"north wall", "east wall", "south wall", "west wall"};
+  if (shaft_) return at_shaft[nearest_of(4, away.x, away.y)];
+  const double angle = std::atan2(dot(away, right_), dot(away, up_)) * 180 / std::numbers::pi;  // from up to the right
+  if (std::abs(angle) <= 45) return at_tunnel[0];
+  if (std::abs(angle) >= 135) return at_tunnel[2];
+  return at_tunnel[angle > 0 ? 1 : 3];
+}
+
+std::string_view SectionAxes::position_of(Vec3 away) const {
+  static constexpr std::array<std::string_view, 8> at_tunnel{"roof",  "upper right", "right", "lower right",
+                                                             "floor", "lower left",  "left",  "upper left"};
+  static constexpr std::array<std::string_view, 8> at_shaft{"north", "northeast", "east", "southeast",
+                                                            "south", "southwest", "west", "northwest"};
+  if (shaft_) return at_shaft[nearest_of(8, away.x, away.y)];
+  return at_tunnel[nearest_of(8, dot(away, right_), dot(away, up_))];
+}
+
+double SectionAxes::clock_of(Vec3 away) const {
+  const double hours = std::atan2(dot(away, right_), dot(away, up_)) * 6 / std::numbers::pi;
   return hours > 0 ? hours : hours + 12;
 }
 
-std::string_view location_of(double right, double up) {
-  const double angle = std::atan2(right, up) * 180 / std::numbers::pi;  // from up to the right
-  if (std::abs(angle) <= 45) return "roof";
-  if (std::abs(angle) >= 135) return "floor";
-  return angle > 0 ? "right wall" : "left wall";
+std::span<const std::string_view> all_locations() {
+  static constexpr std::array<std::string_view, 11> all{"roof",       "left wall", "right wall", "floor",
+                                                        "north wall", "east wall", "south wall", "west wall",
+                                                        "slope",      "bench",     "face"};
+  return all;
 }
 
 std::vector<topology::JointId> joints_of(const topology::BlockComplex& complex, topology::BlockId block) {
@@ -143,12 +177,12 @@ BlockPlace place_of(const RunResult& result, const topology::BlockComplex& compl
   if (!tunnel || tunnel->axis.size() < 2) return place;
   place.chainage = stochastic::chainage_of(tunnel->axis, place.centroid);
   const Vec3 axis = direction_at(tunnel->axis, *place.chainage);
-  const Vec3 right = geometry::normalized(cross(axis, tunnel->up)), up = cross(right, axis);
+  const SectionAxes section{axis, tunnel->up};
   const Vec3 away = -widest->second.towards;
-  const double across = std::hypot(dot(away, right), dot(away, up));
+  const double across = std::hypot(dot(away, section.right()), dot(away, section.up()));
   if (!(across > std::abs(dot(away, axis)))) return place;
-  place.location = location_of(dot(away, right), dot(away, up));
-  place.clock = clock_of(dot(away, right), dot(away, up));
+  place.location = section.location_of(away);
+  place.clock = section.clock_of(away);
   return place;
 }
 

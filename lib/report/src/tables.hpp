@@ -112,7 +112,8 @@ void place_fields(V& v, const scene::BlockPlace& place, const std::vector<std::s
   v("y_m", place.centroid.y);
   v("z_m", place.centroid.z);
   v("location", place.location,
-    "`roof`, `floor`, `left wall`, `right wall` of a tunnel (looking along its axis); `slope`, `bench`: of an "
+    "`roof`, `floor`, `left wall`, `right wall` of a tunnel (looking along its axis); `north wall`, `east wall`, "
+    "`south wall`, `west wall` of a shaft (an axis that plunges 70 degrees or more); `slope`, `bench`: of an "
     "excavation of that kind; `face`: a tunnel's heading and any other free face");
   v("chainage_m", place.chainage, "along the tunnel's axis; empty where there is no tunnel");
   v("free_area_m2", place.free_area, "of the block's free faces");
@@ -376,7 +377,8 @@ void fields(V& v, const MaximumRow& x) {
   v("factor_of_safety", b.factor_of_safety);
   v("target", b.target, "required factor of safety");
   v("required_pressure_pa", b.required_pressure, "on the free face, for that target");
-  v("position", x.position, "as UnWedge names wedges at the perimeter");
+  v("position", x.position,
+    "as UnWedge names wedges at the perimeter: `roof`, `upper right`, ...; at a shaft `north`, `northeast`, ...");
   v("scale", b.scale,
     "of its lengths, that no joint be longer than `trace` and `size` of the scene allow; 1: the largest");
   v("trace_m", b.longest_trace(), "longest trace of its joints on the wall");

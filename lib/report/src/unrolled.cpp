@@ -7,10 +7,12 @@
 #include <cstdint>
 #include <limits>
 #include <set>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "cleave/exchange/text.hpp"
+#include "cleave/realize/places.hpp"
 #include "cleave/stochastic/record.hpp"
 #include "drawings.hpp"
 #include "svg.hpp"
@@ -48,6 +50,13 @@ class Wall final {
     }
   }
   [[nodiscard]] double perimeter() const { return starts_.back(); }
+  /// Of the four sides, from the lowest over the left one.
+  [[nodiscard]] std::array<std::string_view, 4> names() const {
+    const scene::SectionAxes section{axis_at(0), line_.up};
+    if (!section.at_shaft()) return {"floor", "left wall", "crown", "right wall"};
+    const Vec3 up = section.up(), right = section.right();
+    return {section.position_of(-up), section.position_of(-right), section.position_of(up), section.position_of(right)};
+  }
   [[nodiscard]] Vec3 axis_at(double chainage) const { return part_at(chainage).direction; }
   /// The side of the outline nearest to a point, and how far off it is.
   [[nodiscard]] std::pair<std::size_t, double> nearest_side(Vec3 p) const {
@@ -267,10 +276,11 @@ class Map final {
   void frame(std::string& out, double begin, double end, double top, double height, const auto& x) const {
     out += "<rect fill=\"none\" class=\"grid\" x=\"" + fixed(left) + "\" y=\"" + fixed(top) + "\" width=\"" +
            fixed(strip_length_ * scale_) + "\" height=\"" + fixed(height) + "\"/>";
-    for (const auto& [place, name] :
-         {std::pair{0.0, "floor"}, {0.25, "left wall"}, {0.5, "crown"}, {0.75, "right wall"}, {1.0, "floor"}}) {
-      out += detail::text(left - 6, top + height * place + 5, "end", name);
-      if (place == 0.5) {
+    const auto names = wall_.names();
+    for (std::size_t quarter = 0; quarter <= 4; ++quarter) {
+      const double place = 0.25 * static_cast<double>(quarter);
+      out += detail::text(left - 6, top + height * place + 5, "end", names[quarter % 4]);
+      if (quarter == 2) {
         out += "<path class=\"grid\" d=\"M" + fixed(left) + ',' + fixed(top + height / 2) + 'h' +
                fixed(strip_length_ * scale_) + "\" stroke-dasharray=\"6 4\"/>";
       }
@@ -330,7 +340,8 @@ std::string unrolled_section(const Page& page) {
   if (out.empty()) return {};
   return "<section id=\"unrolled\"><h2>Walls of the tunnels, unrolled</h2>\n<p class=\"small\">Chainage to the right, "
          "around the tunnel downwards from the floor over the left wall, the crown and the right wall to the floor, "
-         "left and right looking along the axis: as seen through the rock from above. Lines are traces of joints; "
+         "left and right looking along the axis: as seen through the rock from above; shafts by the compass. Lines are "
+         "traces of joints; "
          "filled "
          "are the faces of key blocks, by batch, with their numbers; dots are collars of bolts.</p>\n" +
          out + "</section>\n";

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -11,7 +12,7 @@ namespace cleave::scene {
 /// Where a block is.
 struct BlockPlace {
   geometry::Vec3 centroid = {};  ///< m
-  /// `location_of` at a tunnel; "slope" or "bench" of a cut; "face": any other free face; empty: there is none.
+  /// That of `SectionAxes` at a tunnel; "slope" or "bench" of a cut; "face": any other free face; empty: there is none.
   std::string_view location = {};
   std::optional<double> chainage = {};  ///< m along the axis of the tunnel that it has most free area at
   /// Hours on the face of a clock, looking along the axis: 12 at the crown, 3 on the right; in (0, 12].
@@ -37,11 +38,31 @@ struct GroupPlace {
 [[nodiscard]] GroupPlace place_of(const RunResult& result, const topology::BlockComplex& complex,
                                   const std::vector<topology::BlockId>& group);
 
-/// "roof", "floor", "left wall", "right wall" (looking along the axis): what lies to the right and up by so much.
-[[nodiscard]] std::string_view location_of(double right, double up);
+/// Directions in the section of a tunnel or a shaft.
+class SectionAxes final {
+ public:
+  /// `axis`, `up`: not along one another; neither need be a unit vector.
+  SectionAxes(geometry::Vec3 axis, geometry::Vec3 up);
+  [[nodiscard]] geometry::Vec3 axis() const { return axis_; }  ///< unit vectors: along the axis,
+  [[nodiscard]] geometry::Vec3 right() const { return right_; }
+  [[nodiscard]] geometry::Vec3 up() const { return up_; }
 
-/// Hours on the face of a clock of what lies to the right and up by so much: in (0, 12].
-[[nodiscard]] double clock_of(double right, double up);
+  [[nodiscard]] bool at_shaft() const { return shaft_; }  ///< the axis plunges 70 degrees or more
+  /// What lies this way from the axis: "roof", "floor", "left wall", "right wall", looking along it; at a shaft
+  /// "north wall", "east wall", "south wall", "west wall".
+  [[nodiscard]] std::string_view location_of(geometry::Vec3 away) const;
+  /// The same in eighths: "roof", "upper right", "right", ...; "north", "northeast", ...
+  [[nodiscard]] std::string_view position_of(geometry::Vec3 away) const;
+  /// Hours on the face of a clock: in (0, 12], 12 in the direction of `up`, 3 on the right.
+  [[nodiscard]] double clock_of(geometry::Vec3 away) const;
+
+ private:
+  geometry::Vec3 axis_, right_, up_;
+  bool shaft_;
+};
+
+/// All that `location` may say, in the order of tables.
+[[nodiscard]] std::span<const std::string_view> all_locations();
 
 /// Numbers of the joints that bound a block, ascending.
 [[nodiscard]] std::vector<topology::JointId> joints_of(const topology::BlockComplex& complex, topology::BlockId block);
