@@ -4,7 +4,7 @@ set -euo pipefail
 root=$(cd -- "$(dirname -- "$(readlink -f -- "$0")")/../.." && pwd)
 place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
-for script in "$root"/x "$root"/.ci/*; do bash -n "$script"; done
+for script in "$root"/x "$root"/.ci/* "$root"/fuzz/build.sh; do bash -n "$script"; done
 git -C "$root" rev-parse -q --verify HEAD >/dev/null 2>&1 || exit 0 # a source archive: no commit to name
 count() {
   printf '#5 DONE cov: 9\nstat::number_of_executed_units: %s\nstat::average_exec_per_sec:     7\n' "$2" >"$place/log"
