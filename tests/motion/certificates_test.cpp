@@ -3,6 +3,7 @@
 #include <array>
 
 #include "assemblies.hpp"
+#include "cut_rock.hpp"
 
 /// Motion against the certificates of statics: what certainly moves moves, what certainly stands stands.
 namespace cleave::motion {
@@ -28,6 +29,26 @@ TEST(Certificates, WhatCertainlyMovesMovesAndWhatCertainlyStandsStands) {
   EXPECT_GE(count[0], 3);
   EXPECT_GE(count[1], 2);
   EXPECT_LE(count[2], 6);
+}
+
+// Joints of any direction, faces that overlap in part, a friction for each joint; 2 to 3 bodies each.
+TEST(Certificates, TwoHundredAssembliesOfCutRock) {
+  std::array<int, 3> count{};
+  for (std::uint64_t seed = 0; count[0] + count[1] < 200; ++seed) {
+    const RandomAssembly random = CutRock{seed}.make(8);
+    const Certain certain = certified(random.statics);
+    ++count.at(static_cast<std::size_t>(certain));
+    if (certain == Certain::in_doubt) continue;
+    const auto moved = moved_from_rest(random);
+    if (!moved) {
+      ADD_FAILURE() << seed << " " << moved.error();
+      continue;
+    }
+    EXPECT_EQ(*moved > 1e-6, certain == Certain::moves) << seed << " " << *moved;
+  }
+  EXPECT_GE(count[0], 120);
+  EXPECT_GE(count[1], 25);
+  EXPECT_LE(count[2], 90);
 }
 
 }  // namespace
