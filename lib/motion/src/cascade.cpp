@@ -44,7 +44,7 @@ class Cascade {
   Unknowns held_by_law(Unknowns x) const {
     for (std::size_t k = 0; k < x.size(); ++k) {
       const Scaled::Element& e = scaled_.elements[k];
-      x[k][0] = e.shear ? 0 : std::max(x[k][0], -e.tension);
+      x[k][0] = e.shear ? 0 : std::min(e.most, std::max(x[k][0], -e.tension));
       const double bound = std::max(0.0, e.mu * x[k][0] + e.cohesion), length = x[k].tail<2>().norm();
       if (length > bound) x[k].tail<2>() *= bound / length;
     }
@@ -146,7 +146,7 @@ class Cascade {
   /// Groups in which proximal points take hundreds of factors for one convex programme.
   [[nodiscard]] bool is_large() const { return group_.mass.size() > 40; }
   /// Interior points for them: quick, but right in the speeds of heavy bodies only.
-  [[nodiscard]] bool by_points() const { return is_large() && !exact_; }
+  [[nodiscard]] bool by_points() const { return is_large() && !exact_ && !yields_; }
 
   /// Whether Newton's iteration may go on from an answer with this residual: in large groups it gets lost from far.
   [[nodiscard]] bool is_near(double residual) const { return !by_points() || residual < 0.5; }
@@ -386,6 +386,7 @@ class Cascade {
   Interior interior_;
   Solution best_;
   bool tried_ = false;
+  bool yields_ = std::ranges::any_of(group_.points, &Point::axial);  ///< interior points know no upper bound
   bool exact_ = false;  ///< no interior points for one programme: they did not lead to an answer
   std::size_t budget_ = options_.patience;
 };

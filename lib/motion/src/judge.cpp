@@ -47,6 +47,7 @@ Vector3d natural(const Point& point, const Vector3d& diagonal, const Vector3d& y
     if (const double length = t.norm(); length > point.cohesion) t *= point.cohesion / length;
     return {p[0], p[1] - t[0], p[2] - t[1]};
   }
+  if (point.axial) return {p[0] - std::clamp(p[0] - y[0] / diagonal[0], 0.0, point.most), p[1], p[2]};
   const double tension = point.mu > 0 ? std::min(point.tension, point.cohesion / point.mu) : point.tension;
   const double a = p[0] - y[0] / diagonal[0];
   const bool closed = a > -tension;

@@ -17,7 +17,7 @@ Scaled::Scaled(const Group& group) : bodies{group.mass.size()} {
   mass.reserve(bodies);
   for (const Matrix6& m : group.mass) mass.emplace_back(m);
   for (const Point& p : group.points) {
-    Element e{p.body, p.other, p.on_body, p.on_other, p.b, p.mu, p.cohesion, p.tension, 1, p.shear};
+    Element e{p.body, p.other, p.on_body, p.on_other, p.b, p.mu, p.cohesion, p.tension, 1, p.shear, p.most};
     e.y += p.on_body.transpose() * group.free[p.body];
     mass[p.body].matrixL().solveInPlace(e.on_body);
     double square = e.on_body.squaredNorm();
@@ -39,6 +39,7 @@ Scaled::Scaled(const Group& group) : bodies{group.mass.size()} {
     e.scale *= unit;
     e.cohesion /= e.scale;
     e.tension /= e.scale;
+    e.most /= e.scale;
     e.tension = e.mu > 0 ? std::min(e.tension, e.cohesion / e.mu) : e.tension;
   }
 }
@@ -81,6 +82,10 @@ Newton::Local Newton::project(const Programme& programme, std::size_t k, const V
       out.x[0] = -e.tension;
       held_in_disc(w.tail<2>(), e.cohesion - e.mu * e.tension, out);
     }
+    return out;
+  }
+  if (w[0] >= e.most) {
+    out.x[0] = e.most;
     return out;
   }
   const bool closed = w[0] > -e.tension;

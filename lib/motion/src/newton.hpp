@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -32,6 +33,7 @@ struct Scaled {
     double mu, cohesion, tension;
     double scale;  ///< impulse = scale * unknown
     bool shear = false;
+    double most = std::numeric_limits<double>::infinity();
   };
   std::vector<Element> elements;
   std::size_t bodies = 0;

@@ -1,11 +1,29 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "world_impl.hpp"
 
 namespace cleave::motion {
 
-double World::Impl::part(std::vector<State>& s, double& deepest) {
+double World::Impl::move_apart(const Island& island, const Solution& moved, std::vector<State>& s) const {
+  double lift = 0;
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    const std::uint32_t b = island.bodies[k];
+    const Vector6& d = moved.velocity[k];
+    const Vec3 by{d[0], d[1], d[2]};
+    // The angular momentum in space stays; the energy of turning is counted with the lift.
+    const Vec3 momentum = s[b].turn * s[b].momentum;
+    lift -= shapes[b].mass * dot(options.gravity, by) + 0.5 * dot(momentum, spin(s[b], b));
+    s[b].shift += by;
+    s[b].turn = normalized(cayley({d[3], d[4], d[5]}) * s[b].turn);
+    s[b].momentum = s[b].turn.back(momentum);
+    lift += 0.5 * dot(momentum, spin(s[b], b));
+  }
+  return lift;
+}
+
+double World::Impl::part(std::vector<State>& s, const std::vector<TieRecord>& tied, double& deepest) {
   // Again: parted bodies may touch what they did not touch before.
   constexpr int rounds = 8;
   constexpr double soft = 1e-5;
@@ -23,6 +41,13 @@ double World::Impl::part(std::vector<State>& s, double& deepest) {
       deep = std::max(deep, -t.gap);
       wrong = std::max(wrong, -t.gap / t.size);
     }
+    std::vector<double> slack;
+    for (const TieRecord& t : tied) {
+      const bool counts = !t.broken && (moves(t.tie.body) || moves(t.tie.other));
+      slack.push_back(counts ? slack_of(t, s) : 0);
+      deep = std::max(deep, -slack.back());
+      wrong = std::max(wrong, -slack.back() / t.length);
+    }
     if (round == 0) deepest = deep;
     if (wrong <= 1e-9) return lift;
     // What wedges between walls is left as it is: the look at all overlaps after the step decides.
@@ -34,8 +59,16 @@ double World::Impl::part(std::vector<State>& s, double& deepest) {
       only.bonds.clear();
       bool overlapping = false;
       for (const std::uint32_t k : only.touches) overlapping = overlapping || list[k].gap < -1e-10 * list[k].size;
+      for (const std::uint32_t k : only.ties) overlapping = overlapping || slack[k] < -1e-10 * tied[k].length;
       if (!overlapping) continue;
+      std::erase_if(only.ties, [&](std::uint32_t k) { return tied[k].broken; });
       Group group = group_of(only, list, s, 1, 0);
+      for (std::size_t k = 0; k < only.ties.size(); ++k) {
+        Point& p = group.points[only.touches.size() + k];
+        p.most = std::numeric_limits<double>::infinity();
+        p.b = {slack[only.ties[k]], 0, 0};
+        p.start.setZero();
+      }
       for (std::size_t k = 0; k < only.touches.size(); ++k) {
         group.points[k].b = {list[only.touches[k]].gap, 0, 0};
         group.points[k].mu = 0;
@@ -44,18 +77,7 @@ double World::Impl::part(std::vector<State>& s, double& deepest) {
       for (Vector6& free : group.free) free.setZero();
       Solution moved = motion::solve(group, how);
       if (moved.report.status == SolveReport::Status::not_converged) moved = solve_softly(group, soft);
-      for (std::size_t k = 0; k < only.bodies.size(); ++k) {
-        const std::uint32_t b = only.bodies[k];
-        const Vector6& d = moved.velocity[k];
-        const Vec3 by{d[0], d[1], d[2]};
-        // The angular momentum in space stays; the energy of turning is counted with the lift.
-        const Vec3 momentum = s[b].turn * s[b].momentum;
-        lift -= shapes[b].mass * dot(options.gravity, by) + 0.5 * dot(momentum, spin(s[b], b));
-        s[b].shift += by;
-        s[b].turn = normalized(cayley({d[3], d[4], d[5]}) * s[b].turn);
-        s[b].momentum = s[b].turn.back(momentum);
-        lift += 0.5 * dot(momentum, spin(s[b], b));
-      }
+      lift += move_apart(only, moved, s);
     }
     place_all(s, false);
   }

@@ -57,14 +57,23 @@ void archive(A& a, const BondState& b) {
   a(b.bond.body, b.bond.other, b.bond.normal, b.bond.shares, b.bond.cohesion, b.bond.tension, b.bond.friction,
     b.bond.patch);
 }
+template <class A>
+void archive(A& a, const Tie& t) {
+  a(t.body, t.other, t.end, t.other_end, t.capacity.si(), t.ductility.si());
+}
+template <class A>
+void archive(A& a, Archived<TieRecord> auto& t) {
+  a(t.force, t.lengthened, t.broken);
+}
 
 namespace {
 
 constexpr std::string_view world_kind = "cleave-motion-world";
-constexpr std::uint32_t version_of_saved = 2;
+constexpr std::uint32_t version_of_saved = 3;
 
 std::string identity_of(const World::Impl& w) {
   ArchiveWriter a;
+  for (const TieRecord& tie : w.ties) a(tie.tie);
   a(w.shapes, *w.cells, w.surfaces, w.bonds, w.extent, w.options.gravity, w.options.quasi_static, w.options.sleep);
   return sha256_hex(a.bytes());
 }
@@ -125,6 +134,9 @@ bool contacts_are_sound(const World::Impl& w) {
 bool bond_is_sound(const BondState& bond) {
   return std::ranges::all_of(bond.impulse, [](Vec3 v) { return finite(v); });
 }
+bool tie_is_sound(const TieRecord& tie) {
+  return tie.force >= 0 && finite(tie.force) && tie.lengthened >= 0 && finite(tie.lengthened);
+}
 
 }  // namespace
 
@@ -134,6 +146,7 @@ std::string World::saved() const {
   archive_motion(a, std::as_const(*impl_));
   for (const BondState& bond : impl_->bonds) a(bond.impulse);
   a(broken_of(*impl_), impl_->torn);
+  for (const TieRecord& tie : impl_->ties) a(tie);
   return sealed(world_kind, version_of_saved, a.bytes());
 }
 
@@ -144,11 +157,12 @@ std::expected<void, SavedFault> World::restore(std::string_view saved) {
   archive_motion(a, w);
   for (BondState& bond : w.bonds) a(bond.impulse);
   a(broken, w.torn);
+  for (TieRecord& tie : w.ties) a(tie);
   const auto flags = [&](const std::vector<std::uint8_t>& of) {
     return of.size() == w.bonds.size() && std::ranges::all_of(of, [](std::uint8_t b) { return b <= 1; });
   };
   if (!a.complete() || !bodies_are_sound(w) || !contacts_are_sound(w) || !flags(broken) || !flags(w.torn) ||
-      !std::ranges::all_of(w.bonds, bond_is_sound)) {
+      !std::ranges::all_of(w.bonds, bond_is_sound) || !std::ranges::all_of(w.ties, tie_is_sound)) {
     return std::unexpected(SavedFault::damaged);
   }
   for (std::size_t k = 0; k < w.bonds.size(); ++k) w.bonds[k].broken = broken[k] != 0;

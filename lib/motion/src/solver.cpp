@@ -24,6 +24,8 @@ void count_states(const Group& group, const Response& response, Solution& soluti
     report.max_penetration = std::max(report.max_penetration, -response.y[k][0]);
     if (p.isZero()) {
       ++report.opened;
+    } else if (point.axial) {
+      ++(p[0] < point.most ? report.stick : report.slip);
     } else if (p.tail<2>().norm() >= (1 - 1e-9) * (point.mu * p[0] + point.cohesion)) {
       ++report.slip;
     } else {

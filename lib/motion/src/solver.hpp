@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -26,6 +27,9 @@ struct Point {
   double mu = 0;
   double cohesion = 0, tension = 0;  ///< N s
   bool shear = false;                ///< no normal part (first columns 0), no friction: |t| <= cohesion, always
+  /// No part along the plane (last columns 0), no strength: 0 <= n <= most, n = most where y_n < 0.
+  bool axial = false;
+  double most = std::numeric_limits<double>::infinity();  ///< N s
   Eigen::Vector3d start = Eigen::Vector3d::Zero();
 };
 

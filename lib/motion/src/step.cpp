@@ -70,6 +70,9 @@ std::vector<Island> World::Impl::islands_of(const std::vector<Touch>& list) cons
   for (const BondState& bond : bonds) {
     if (!bond.broken) link(bond.bond.body, bond.bond.other);
   }
+  for (const TieRecord& t : ties) {
+    if (!t.broken) link(t.tie.body, t.tie.other);
+  }
   std::vector<std::optional<std::uint32_t>> place(shapes.size());
   std::vector<Island> out;
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
@@ -92,6 +95,10 @@ std::vector<Island> World::Impl::islands_of(const std::vector<Touch>& list) cons
     if (bonds[k].broken) continue;
     Island* own = island(bonds[k].bond.body, bonds[k].bond.other);
     for (std::uint32_t s = 0; own != nullptr && s < points_of(k); ++s) own->bonds.emplace_back(k, s);
+  }
+  for (std::uint32_t k = 0; k < ties.size(); ++k) {
+    if (ties[k].broken) continue;
+    if (Island* own = island(ties[k].tie.body, ties[k].tie.other)) own->ties.push_back(k);
   }
   return out;
 }
@@ -146,6 +153,12 @@ Group World::Impl::group_of(const Island& island, const std::vector<Touch>& list
     const Bond& bond = bonds[k].bond;
     const auto [at, normal] = place_of(k, point_of(k, s).at_start, mid);
     set_law(k, s, normal, step, add(bond.body, bond.other, at, normal));
+  }
+  for (const std::uint32_t k : island.ties) {
+    const TieRecord& tie = ties[k];
+    const auto [end, other] = ends_of(tie, mid);
+    Point& p = add(tie.tie.body, tie.tie.other, end, geometry::normalized(other - end));
+    set_tie(tie, slack_of(tie, mid), step, p);
   }
   return group;
 }
@@ -233,6 +246,7 @@ void World::Impl::let_fall(const std::vector<State>& mid, double step, Attempt& 
   out.locked.assign(shapes.size(), 0);
   out.torn.clear();
   out.bond_impulse.assign(bonds.size(), {});
+  out.ties = ties;
   out.report = {};
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (!moves(b)) continue;
@@ -302,6 +316,11 @@ void World::Impl::note_contacts(const Island& island, const Solved& solved, cons
     Vector3d slip = p.on_body.transpose() * solved.found.velocity[p.body];
     if (p.other) slip += p.on_other.transpose() * solved.found.velocity[*p.other];
     const Vector3d& i = solved.found.impulse[k];
+    if (p.axial) {
+      const std::size_t first = island.touches.size() + island.bonds.size();
+      note_tie(island.ties[k - first], i[0], slip[0], step, out);
+      continue;
+    }
     if (k >= island.touches.size()) {
       const auto& [bond, number] = island.bonds[k - island.touches.size()];
       note_bond(bond, number, i, slip, mid, step, out);
@@ -398,7 +417,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tol
     if (out.torn.empty() && ++round > 4 * rounds) return Failure{0, "no rule of the step keeps the energy"};
   }
   double deepest = 0;
-  out.projected = part(out.state, deepest);
+  out.projected = part(out.state, out.ties, deepest);
   out.report.max_penetration = deepest;
   double smallest = extent;
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
@@ -417,6 +436,7 @@ void World::Impl::accept(Attempt& done) {
   contacts = std::move(done.contacts);
   locked = std::move(done.locked);
   for (const std::uint32_t k : done.broken) bonds[k].broken = true;
+  ties = std::move(done.ties);
   for (std::size_t k = 0; k < bonds.size(); ++k) bonds[k].impulse = std::move(done.bond_impulse[k]);
   for (std::uint8_t& count : implicit) count = count > 0 ? static_cast<std::uint8_t>(count - 1) : count;
   expected += done.given;

@@ -25,7 +25,7 @@ void sweep(const Scaled& scaled, std::vector<Eigen::Vector3d>& x, int sweeps) {
       Vector3d p = x[k];
       for (int inner = 0; inner < 8; ++inner) {
         const Vector3d before = p;
-        p[0] = e.shear ? 0 : std::max(-e.tension, p[0] - rn * (b + w * p)[0]);
+        p[0] = e.shear ? 0 : std::min(e.most, std::max(-e.tension, p[0] - rn * (b + w * p)[0]));
         const Vector3d y = b + w * p;
         Eigen::Vector2d t = p.tail<2>() - rt * y.tail<2>();
         const double bound = std::max(0.0, e.mu * p[0] + (e.shear || p[0] > -e.tension ? e.cohesion : 0));

@@ -33,6 +33,14 @@ std::string fault_of(const Bond& bond, std::size_t bodies) {
   return {};
 }
 
+std::string fault_of(const Tie& tie, std::size_t bodies) {
+  if (tie.body >= bodies || tie.other >= bodies || tie.body == tie.other) return "a tie has no two bodies";
+  if (!geometry::is_finite(tie.end) || !geometry::is_finite(tie.other_end)) return "an end of a tie is not finite";
+  if (!(norm(tie.end - tie.other_end) > 0)) return "a tie has no length";
+  if (!(tie.capacity.si() >= 0) || !(tie.ductility.si() >= 0)) return "a capacity or ductility of a tie is negative";
+  return {};
+}
+
 std::expected<void, BadScene> add_body(const BodySpec& spec, std::size_t number, World::Impl& impl,
                                        std::vector<Cell>& cells) {
   const auto refuse = [&](std::string reason) {
@@ -126,6 +134,12 @@ std::expected<World, BadScene> World::make(SceneSpec scene, WorldOptions options
     }
     impl->add_bond(std::move(bond));
   }
+  for (const Tie& tie : scene.ties) {
+    if (std::string fault = fault_of(tie, scene.bodies.size()); !fault.empty()) {
+      return std::unexpected(BadScene{"", fault});
+    }
+    impl->ties.push_back({.tie = tie, .length = norm(tie.end - tie.other_end)});
+  }
   const std::size_t n = scene.bodies.size();
   impl->asleep.assign(n, 0);
   impl->quiet.assign(n, 0);
@@ -195,6 +209,8 @@ std::expected<StepReport, StepFailed> World::step(double at_most) {
 
 StepReport World::Impl::close(Attempt& done) {
   const double before = energy.kinetic + energy.potential;
+  const auto broken = [](const TieRecord& t) { return t.broken; };
+  const auto ties_broken = std::ranges::count_if(done.ties, broken) - std::ranges::count_if(ties, broken);
   accept(done);
   count_energy();
   energy.friction += done.friction;
@@ -222,7 +238,7 @@ StepReport World::Impl::close(Attempt& done) {
   momentum_off = norm(momentum - expected);
   report.time = now;
   report.contacts = contacts.size();
-  report.broken = done.broken.size();
+  report.broken = done.broken.size() + static_cast<std::size_t>(ties_broken);
   sleep_and_wake(done);
   report.asleep = static_cast<std::size_t>(std::ranges::count(asleep, std::uint8_t{1}));
   return report;
@@ -267,7 +283,7 @@ void World::Impl::wake_touched() {
             step * (norm(state[b].v) + step * norm(options.gravity) + norm(spin(state[b], b)) * shapes[b].radius);
       }
     }
-    bool any = false;
+    bool any = wake_tied();
     for (const auto& [i, j] : near_pairs(travel)) {
       for (const std::uint32_t b : {placed[i].body, placed[j].body}) {
         if (asleep[b] == 0) continue;
@@ -317,6 +333,10 @@ void World::set_fixed(std::size_t body, bool fixed) {
   own.energy.start += own.energy.kinetic + own.energy.potential - before;
 }
 const std::vector<Contact>& World::contacts() const noexcept { return impl_->contacts; }
+TieState World::tie(std::size_t number) const {
+  const TieRecord& tie = impl_->ties[number];
+  return {newtons(tie.force), metres(tie.lengthened), tie.broken};
+}
 const Energy& World::energy() const noexcept { return impl_->energy; }
 Vec3 World::momentum() const {
   Vec3 sum;

@@ -52,11 +52,20 @@ struct BondPoint {
   bool shear = false;  ///< cohesion alone
 };
 
+struct TieRecord {
+  Tie tie;
+  double length = 0;  ///< m, at the start
+  double force = 0;   ///< N, in the last step
+  double lengthened = 0;
+  bool broken = false;
+};
+
 /// Contact points and bodies that hang together.
 struct Island {
   std::vector<std::uint32_t> bodies;
   std::vector<std::uint32_t> touches;                          ///< into the list of touches
   std::vector<std::pair<std::uint32_t, std::uint32_t>> bonds;  ///< bond and share
+  std::vector<std::uint32_t> ties = {};
 };
 
 /// Which bodies touch.
@@ -75,6 +84,7 @@ struct Attempt {
   std::vector<std::uint8_t> locked;  ///< by body: its group may be
   std::vector<std::uint32_t> torn;   ///< bonds whose tension gave
   std::vector<std::vector<Vec3>> bond_impulse;
+  std::vector<TieRecord> ties;
   StepReport report;
   double work = 0, friction = 0, scheme = 0, projected = 0, gain = 0;
   Vec3 given;  ///< momentum, by loads and walls
@@ -88,6 +98,7 @@ struct World::Impl {
   std::vector<Surface> surfaces;
   std::vector<BondState> bonds;
   std::vector<std::uint8_t> torn;  ///< by bond: it has no tension (any more)
+  std::vector<TieRecord> ties;
   WorldOptions options;
   double extent = 0;
 
@@ -170,6 +181,16 @@ struct World::Impl {
   void note_bond(std::uint32_t bond, std::uint32_t number, const Eigen::Vector3d& impulse, const Eigen::Vector3d& slip,
                  const std::vector<State>& mid, double step, Attempt& out) const;
 
+  // ties.cpp
+  [[nodiscard]] std::pair<Vec3, Vec3> ends_of(const TieRecord& tie, const std::vector<State>& s) const;
+  /// What it may come apart before it pulls, m; below 0: it is drawn too long.
+  [[nodiscard]] double slack_of(const TieRecord& tie, const std::vector<State>& s) const;
+  static void set_tie(const TieRecord& tie, double slack, double step, Point& p);
+  /// What it carried. `shortening`: speed at which its ends come nearer, m/s.
+  void note_tie(std::uint32_t number, double impulse, double shortening, double step, Attempt& out) const;
+  /// Wakes what hangs on something that moves; whether there was any.
+  [[nodiscard]] bool wake_tied();
+
   // contacts.cpp
   void place_all(const std::vector<State>& s, bool everything);
   [[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint32_t>> near_pairs(
@@ -183,8 +204,11 @@ struct World::Impl {
   [[nodiscard]] double deepest_overlap(std::string& where) const;
 
   // parting.cpp
-  /// Moves bodies apart that overlap, as far as there is room; what that brings in of energy.
-  [[nodiscard]] double part(std::vector<State>& s, double& deepest);
+  /// Moves the bodies of a group; what that brings in of energy.
+  [[nodiscard]] double move_apart(const Island& island, const Solution& moved, std::vector<State>& s) const;
+  /// Moves bodies apart that overlap, and together what hangs on ties that are too long, as far as there is room; what
+  /// that brings in of energy.
+  [[nodiscard]] double part(std::vector<State>& s, const std::vector<TieRecord>& tied, double& deepest);
 };
 
 [[nodiscard]] Matrix6 mass_matrix(const Shape& shape, Turn turn);

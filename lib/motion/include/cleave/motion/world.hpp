@@ -123,10 +123,27 @@ struct Bond {
 /// Shares of a triangle: corners 1/12 each, centroid 3/4 (the wrench of a linear pressure is exact).
 void add_triangle(Vec3 a, Vec3 b, Vec3 c, std::vector<Bond::Share>& shares);
 
+/// Bolt or cable that two bodies hang on by its ends. It pulls along the straight line between them, wherever they have
+/// come to, and does not push; it is rigid up to its capacity and lengthens under that force. What several ties share
+/// out between them is whatever their capacities allow, as in limit analysis. No mass, no shear.
+struct Tie {
+  std::uint32_t body = 0, other = 0;
+  Vec3 end, other_end;  ///< where it is fixed to each, at the start; apart
+  Force capacity = {};
+  Length ductility = {};  ///< that it lengthens at its capacity; gone after the step in which it comes to more
+};
+/// What became of a tie.
+struct TieState {
+  Force force = {};        ///< in the last step
+  Length lengthened = {};  ///< at its capacity
+  bool broken = false;
+};
+
 struct SceneSpec {
   std::vector<BodySpec> bodies;
   std::vector<Surface> surfaces = {{}};
   std::vector<Bond> bonds = {};
+  std::vector<Tie> ties = {};
 };
 
 struct BadScene {
@@ -214,15 +231,16 @@ struct Contact {
 struct Energy {
   double start = 0, kinetic = 0, potential = 0;
   double friction = 0;       ///< dissipated by slip
-  double lost = 0;           ///< by impacts and the scheme, counted on their own
-  double projected = 0;      ///< brought in by parting bodies that overlap
+  double lost = 0;           ///< by impacts, ties that yield and the scheme, counted on their own
+  double projected = 0;      ///< brought in by parting bodies that overlap and by drawing ties to their length
   double closing_error = 0;  ///< of the balance, over its largest term
   double largest_gain = 0;   ///< in a step, without what parting brought in
 };
 
 struct StepReport {
   double time = 0, step = 0;  ///< after the step; its length
-  std::size_t cuts = 0, retries = 0, contacts = 0, islands = 0, asleep = 0, broken = 0;
+  std::size_t cuts = 0, retries = 0, contacts = 0, islands = 0, asleep = 0;
+  std::size_t broken = 0;  ///< bonds and ties, in this step
   std::size_t stick = 0, slip = 0, iterations = 0;
   std::size_t may_be_locked = 0;  ///< bodies in groups of which another answer moves or stands, or may
   std::size_t rough = 0;          ///< bodies in groups whose answer is tolerated only
@@ -270,6 +288,7 @@ class World final {
   void set_fixed(std::size_t body, bool fixed);
 
   [[nodiscard]] const std::vector<Contact>& contacts() const noexcept;
+  [[nodiscard]] TieState tie(std::size_t number) const;
   [[nodiscard]] const Energy& energy() const noexcept;
   [[nodiscard]] Vec3 momentum() const;
   [[nodiscard]] Vec3 angular_momentum() const;  ///< about the origin
