@@ -5,12 +5,15 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <string>
 #include <vector>
 
 #include "cleave/core/rng.hpp"
+#include "cleave/realize/block_sizes.hpp"
 #include "cleave/survey/analyse.hpp"
 #include "heavy_rock.hpp"
 #include "line.hpp"
@@ -105,21 +108,28 @@ void cones(study::Study& study, int samples) {
 void sizes(study::Study& study, int samples) {
   struct Rock {
     const char* name;
-    double mean, sigma, traces;  ///< sigma 0: exponential; below: all of one size
+    double mean, sigma, traces;  ///< sigma 0: exponential; -1: all of one size; -2: gamma of spread 1.5
   };
-  for (const Rock& rock : {Rock{"exponential_3m", 3, 0, 39}, Rock{"exponential_3m", 3, 0, 150},
-                           Rock{"lognormal_3m_2m", 3, std::sqrt(std::log1p(4.0 / 9)), 35},
-                           Rock{"lognormal_3m_2m", 3, std::sqrt(std::log1p(4.0 / 9)), 150}, Rock{"equal_4m", 4, -1, 40},
-                           Rock{"equal_4m", 4, -1, 150}}) {
-    const bool exponential = rock.sigma == 0, equal = rock.sigma < 0;
-    const double mu = std::log(rock.mean) - rock.sigma * rock.sigma / 2, variation = exponential ? 1
-                                                                                     : equal     ? 0
-                                                                                                 : 4.0 / 9;
+  for (const Rock& rock :
+       {Rock{"exponential_3m", 3, 0, 39}, Rock{"exponential_3m", 3, 0, 150},
+        Rock{"lognormal_3m_2m", 3, std::sqrt(std::log1p(4.0 / 9)), 35},
+        Rock{"lognormal_3m_2m", 3, std::sqrt(std::log1p(4.0 / 9)), 150}, Rock{"equal_4m", 4, -1, 40},
+        Rock{"equal_4m", 4, -1, 150}, Rock{"gamma_3m_4.5m", 3, -2, 40}, Rock{"gamma_3m_4.5m", 3, -2, 150}}) {
+    const bool exponential = rock.sigma == 0, equal = rock.sigma == -1, gamma = rock.sigma == -2;
+    const double sigma = std::max(0.0, rock.sigma), mu = std::log(rock.mean) - sigma * sigma / 2,
+                 variation = exponential ? 1
+                             : equal     ? 0
+                             : gamma     ? 2.25
+                                         : 4.0 / 9;
     const double square = rock.mean * rock.mean * (1 + variation), trace = pi / 4 * square / rock.mean, radius = 5;
     const double p20 = rock.traces / (pi * radius * radius + 2 * radius * trace), p30 = p20 / rock.mean;
     int mean = 0, spread = 0, density = 0, collapsed = 0;
     for (int k = 0; k < samples; ++k) {
-      Rng rng{{.seed = 74, .realization = static_cast<std::uint64_t>(k), .purpose = exponential ? 1U : 2U}};
+      Rng rng{{.seed = 74,
+               .realization = static_cast<std::uint64_t>(k),
+               .purpose = exponential ? 1U
+                          : gamma     ? 3U
+                                      : 2U}};
       survey::WindowSurvey window{.name = "w",
                                   .window = survey::CircleWindow{{0, 0}, radius},
                                   .normal = {0, 0, 1},
@@ -131,8 +141,9 @@ void sizes(study::Study& study, int samples) {
       for (double at = -std::log(rng.uniform()); at < p20 * 4 * half * half; at -= std::log(rng.uniform())) {
         // Met in proportion to its diameter.
         const double d = equal         ? rock.mean
+                         : gamma       ? support::detail::gamma_draw(rng, 1 / variation + 1) * rock.mean * variation
                          : exponential ? -rock.mean * std::log(rng.uniform() * rng.uniform())
-                                       : std::exp(mu + rock.sigma * rock.sigma + rock.sigma * rng.normal());
+                                       : std::exp(mu + sigma * sigma + sigma * rng.normal());
         const double u = rng.uniform(), l = d * std::sqrt(1 - u * u);
         const double x = half * (2 * rng.uniform() - 1), y = half * (2 * rng.uniform() - 1);
         window.traces.push_back({{x, y - l / 2}, {x, y + l / 2}});
@@ -164,6 +175,78 @@ void sizes(study::Study& study, int samples) {
   }
 }
 
+/// Three orthogonal Poisson sets of spacing 1 in a box: blocks are products of gaps that touch no side, each with its
+/// weight; by volume V is a product of three gamma laws of shape 2.
+void block_sizes(study::Study& study, int samples) {
+  std::vector<double> volumes;
+  Rng draw{{.seed = 75, .realization = 0}};
+  const auto exponential = [](Rng& rng) { return -std::log(rng.uniform()); };
+  for (int i = 0; i < 400'000; ++i) volumes.push_back(exponential(draw) * exponential(draw) * exponential(draw));
+  const scene::Percentiles number = scene::percentiles_by_number(volumes), mass = scene::percentiles_by_volume(volumes);
+  for (const double side : {8.0, 12.0}) {
+    for (const std::uint64_t realizations : {10U, 40U}) {
+      std::map<std::string, int> held;
+      for (int k = 0; k < samples; ++k) {
+        stochastic::EnsembleOptions options{.stability = false, .volumes_m3 = {}, .tunnel_length_m = {}};
+        for (const auto& [name, p] : scene::Percentiles::levels) options.size_levels.push_back(p);
+        stochastic::Ensemble ensemble{options};
+        for (std::uint64_t r = 0; r < realizations; ++r) {
+          Rng rng{{.seed = 76,
+                   .realization = static_cast<std::uint64_t>(k),
+                   .purpose = static_cast<std::uint32_t>(side),
+                   .index = static_cast<std::uint32_t>(r)}};
+          std::array<std::vector<double>, 3> gaps;
+          for (std::vector<double>& own : gaps) {
+            double last = -1;
+            for (double at = exponential(rng); at < side; at += exponential(rng)) {
+              if (last >= 0) own.push_back(at - last);
+              last = at;
+            }
+          }
+          stochastic::Record record;
+          record.realization = r;
+          record.rock_m3 = side * side * side;
+          record.whole.emplace();
+          std::map<std::uint32_t, std::pair<double, double>> bins;
+          for (const double x : gaps[0]) {
+            for (const double y : gaps[1]) {
+              for (const double z : gaps[2]) {
+                const double v = x * y * z, weight = 1 / ((1 - x / side) * (1 - y / side) * (1 - z / side));
+                ++record.whole->count;
+                record.whole->volume += cubic_metres(v);
+                auto& [sum, sum_volume] = bins[static_cast<std::uint32_t>(stochastic::SizeHistogram::bin_of(v))];
+                sum += weight;
+                sum_volume += weight * v;
+              }
+            }
+          }
+          for (const auto& [bin, sums] : bins) {
+            record.whole->bins.push_back({bin, static_cast<float>(sums.first), static_cast<float>(sums.second)});
+          }
+          ensemble.add(record, "");
+        }
+        const stochastic::Figures figures = ensemble.figures();
+        const stochastic::BlockSizeFigures& sizes = *figures.block_sizes;
+        held["mean volume"] += sizes.mean_volume.low <= 1 && 1 <= sizes.mean_volume.high ? 1 : 0;
+        const auto look = [&](const std::vector<stochastic::SizeLevel>& rows, const scene::Percentiles& truth,
+                              const char* name) {
+          for (const stochastic::SizeLevel& row : rows) {
+            if (row.p != 0.1 && row.p != 0.5 && row.p != 0.8 && row.p != 0.9) continue;
+            const double v = truth.values.at(static_cast<std::size_t>(&row - rows.data()));
+            held[fmt::format("{} p{}", name, 100 * row.p)] +=
+                row.low.value_or(0) <= v && v <= row.high.value_or(INFINITY) ? 1 : 0;
+          }
+        };
+        look(sizes.by_number, number, "by number");
+        look(sizes.by_volume, mass, "by volume");
+      }
+      for (const auto& [name, count] : held) {
+        row(study, fmt::format("block_sizes_side_{}", side), name, fmt::format("n={}", realizations), count, samples);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace cleave
 
@@ -173,6 +256,7 @@ int main(int argc, char** argv) {
     cleave::monte_carlo(study, samples);
     cleave::rqd_of_lines(study, samples);
     cleave::cones(study, samples);
+    cleave::block_sizes(study, samples);
     cleave::sizes(study, samples / 2);
   });
 }

@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <vector>
 
 #include "cleave/core/rng.hpp"
+#include "cleave/realize/monte_carlo.hpp"
 #include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
 
@@ -145,6 +148,93 @@ TEST(BlockSizes, ThreePoissonSetsGiveProductsOfExponentials) {
     }
     EXPECT_NEAR(share, p, 4 * std::sqrt(square) / static_cast<double>(pooled.size())) << name;
   }
+}
+
+/// Three orthogonal Poisson sets of spacing 1 in a box, as an ensemble.
+std::string orthogonal_sets(double side, int realizations) {
+  std::string text = box_of_sides(side, side, side);
+  for (const auto& [dip, direction] : {std::pair{0, 0}, std::pair{90, 0}, std::pair{90, 90}}) {
+    text += fmt::format(
+        "[[joint_set]]\nname = \"{}_{}\"\norientation = {{ dip = {}, dip_direction = {} }}\nsize = \"persistent\"\n"
+        "intensity = {{ spacing = 1 }}\n",
+        dip, direction, dip, direction);
+  }
+  return text + fmt::format("[monte_carlo]\nrealizations = {}\n", realizations);
+}
+
+stochastic::Figures figures_of(const Scene& scene) {
+  stochastic::Ensemble ensemble{ensemble_options_of(scene)};
+  const Shared shared = shared_by_realizations(scene);
+  for (std::uint64_t k = 0; k < scene.monte_carlo->realizations; ++k) {
+    ensemble.add(make_record(scene, shared, k), "");
+  }
+  return ensemble.figures();
+}
+
+double mean_errors(const stochastic::Estimate& e, double truth) { return std::abs(e.mean - truth) / e.standard_error; }
+
+// V is a product of three unit exponentials, whatever the size of the box: mean 1; by volume a product of three gamma
+// laws of shape 2. Without the weights the mean volume of whole blocks would be ((1 - 2/L)/(1 - 1/L))^3, 0.70 here.
+TEST(BlockSizes, WeightsTakeTheBordersBiasAway) {
+  constexpr double side = 10;
+  const stochastic::Figures f = figures_of(scene_of(orthogonal_sets(side, 60)));
+  const stochastic::BlockSizeFigures& sizes = *f.block_sizes;
+  EXPECT_TRUE(sizes.corrected);
+  EXPECT_LT(mean_errors(sizes.mean_volume, 1), 3.5);
+  EXPECT_LT(sizes.mean_volume.standard_error, 0.1);
+  EXPECT_LT(sizes.met_share.high, 0.65);
+  std::vector<double> truth;
+  std::array<double, 4> shapes{};
+  Rng rng{{.seed = 82}};
+  constexpr int draws = 200'000;
+  for (int i = 0; i < draws; ++i) {
+    std::array<double, 3> gap{};
+    for (double& x : gap) x = -std::log(rng.uniform());
+    truth.push_back(gap[0] * gap[1] * gap[2]);
+    std::ranges::sort(gap, std::greater{});
+    shapes.at((3 * gap[1] <= 2 * gap[0] ? 2U : 0U) + (3 * gap[2] <= 2 * gap[1] ? 1U : 0U)) += 1.0 / draws;
+  }
+  std::ranges::sort(truth);
+  const double all = std::accumulate(truth.begin(), truth.end(), 0.0);
+  for (const stochastic::SizeShare& point : sizes.curve) {
+    double number = 0, volume = 0;
+    for (const double v : truth) {
+      if (v >= point.volume.si()) break;
+      number += 1.0 / draws;
+      volume += v / all;
+    }
+    if (number < 0.02 || volume > 0.98) continue;
+    const auto half = [](const stochastic::Interval& i) { return (i.high - i.low) / 2; };
+    EXPECT_NEAR(point.by_number, number, 1.8 * half(point.by_number_interval)) << point.volume.si();
+    EXPECT_NEAR(point.by_volume, volume, 1.8 * half(point.by_volume_interval)) << point.volume.si();
+  }
+  for (std::size_t i = 0; i < shapes.size(); ++i) EXPECT_LT(mean_errors(sizes.shapes.at(i), shapes.at(i)), 3.5) << i;
+  ASSERT_EQ(f.sets.size(), 3U);
+  for (const stochastic::SetEstimates& set : f.sets) {
+    EXPECT_LT(mean_errors(set.p32, 1), 3.5) << set.name;
+    EXPECT_LT(mean_errors(set.p10, 1), 3.5) << set.name;
+  }
+  EXPECT_LT(mean_errors(*f.jv, 3), 3.5);
+}
+
+// With an opening or a free side it is not known how rare whole blocks are: they count as they are met, and that is
+// said. Where only the rock near free faces is cut there are no sizes.
+TEST(BlockSizes, OnlyABoxOfRockIsCorrected) {
+  EXPECT_TRUE(questions_of(scene_of(orthogonal_sets(4, 2))).undisturbed.has_value());
+  const Scene free = scene_of(orthogonal_sets(4, 2) + "[stability]\nfree = [\"top\"]\n");
+  EXPECT_FALSE(questions_of(free).undisturbed.has_value());
+  const stochastic::Figures f = figures_of(free);
+  ASSERT_TRUE(f.block_sizes.has_value());
+  EXPECT_FALSE(f.block_sizes->corrected);
+  const Scene near = scene_of(orthogonal_sets(4, 2) + "[stability]\nfree = [\"top\"]\n[output]\nblocks = \"key\"\n");
+  const stochastic::Figures g = figures_of(near);
+  EXPECT_FALSE(g.block_sizes.has_value());
+  EXPECT_EQ(g.sets.size(), 3U);
+  std::string tunnel = orthogonal_sets(4, 2);
+  tunnel +=
+      "[[excavation]]\nkind = \"tunnel\"\nsection = { shape = \"rectangle\", width = 1, height = 1 }\n"
+      "axis = [[2, -1, 2], [2, 5, 2]]\n";
+  EXPECT_FALSE(questions_of(scene_of(tunnel)).undisturbed.has_value());
 }
 
 }  // namespace

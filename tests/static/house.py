@@ -100,7 +100,6 @@ own_use = {
     "cleave/dfn/laws.hpp": "part of dfn/joint_set.hpp",
     "cleave/exchange/triangulate.hpp": "part of exchange/polygons.hpp",
     "cleave/scene/toml_tree.hpp": "part of scene/table_reader.hpp",
-    "cleave/survey/traces.hpp": "part of survey/analyse.hpp",
 }
 most_public = 70
 

@@ -181,6 +181,74 @@ TEST(EnsembleTest, FiguresByHand) {
   EXPECT_DOUBLE_EQ(f.sizes.back().share, 1);
 }
 
+/// Blocks of 1 and of 10 m3, which start the bins 48 and 56.
+Record sized_record(std::uint64_t k, float ones, float tens) {
+  Record r = record(k, {2});
+  r.whole = WholeBlocks{static_cast<std::uint64_t>(ones + tens),
+                        cubic_metres(static_cast<double>(ones + 10 * tens)),
+                        {static_cast<double>(ones), static_cast<double>(tens), 0, 0},
+                        {{48, ones, ones}, {56, tens, 10 * tens}}};
+  r.rock_m3 = 100;
+  r.sets = {{k, 0.5, 0.25, 0.125 * static_cast<double>(k)}, {7, 1, 2, 3}};
+  return r;
+}
+
+// 40 blocks of 1 m3 and 10 of 10 m3 in two realizations of 100 m3.
+TEST(EnsembleTest, BlockSizesByHand) {
+  EnsembleOptions with = options();
+  with.sets = {"a", "b"};
+  with.size_levels = {0.4, 0.8, 0.9};
+  Ensemble ensemble{with};
+  ensemble.add(sized_record(0, 30, 5), "x");
+  EXPECT_FALSE(ensemble.figures().block_sizes->by_number[0].high.has_value());  // one realization has no interval
+  ensemble.add(sized_record(1, 10, 5), "y");
+  const Figures f = ensemble.figures();
+  const BlockSizeFigures& sizes = *f.block_sizes;
+  EXPECT_EQ(sizes.blocks, 50U);
+  EXPECT_FALSE(sizes.corrected);
+  EXPECT_DOUBLE_EQ(sizes.mean_volume.mean, 140.0 / 50);
+  EXPECT_DOUBLE_EQ(sizes.met_share.mean, 140.0 / 200);
+  EXPECT_DOUBLE_EQ(sizes.shapes[0].mean, 0.8);
+  EXPECT_EQ(sizes.shapes[1].name, "platy");
+  EXPECT_DOUBLE_EQ(sizes.shapes[1].mean, 0.2);
+  // Within the bin from 1 m3 on, half of its share is reached at the middle of its logarithm.
+  EXPECT_NEAR(sizes.by_number[0].volume_m3, std::pow(10.0, 1.0 / 16), 1e-12);
+  EXPECT_NEAR(sizes.by_number[1].volume_m3, std::pow(10.0, 1.0 / 8), 1e-12);
+  EXPECT_NEAR(sizes.by_number[2].volume_m3, std::pow(10.0, 1 + 1.0 / 16), 1e-12);
+  // By volume 40 of 140 m3 lie in the small ones.
+  EXPECT_NEAR(sizes.by_volume[0].volume_m3, std::pow(10.0, 1 + (0.4 - 40.0 / 140) / (100.0 / 140) / 8), 1e-12);
+  for (const SizeLevel& level : sizes.by_number) {
+    ASSERT_TRUE(level.low.has_value());
+    EXPECT_LE(*level.low, level.volume_m3);
+    EXPECT_GE(level.high.value_or(INFINITY), level.volume_m3);
+  }
+  ASSERT_EQ(f.sets.size(), 2U);
+  EXPECT_EQ(f.sets[0].name, "a");
+  EXPECT_DOUBLE_EQ(f.sets[0].joints.mean, 0.5);
+  EXPECT_DOUBLE_EQ(f.sets[0].p21.mean, 0.0625);
+  EXPECT_DOUBLE_EQ(f.sets[1].p32.mean, 1);
+  EXPECT_DOUBLE_EQ(f.jv->mean, 2.25);
+}
+
+// Where two draws of strengths share a geometry, its blocks count once for both in shares, means and sets.
+TEST(EnsembleTest, BlockSizesOfANestedDesign) {
+  EnsembleOptions with = options();
+  with.sets = {"a", "b"};
+  with.size_levels = {0.5};
+  Ensemble plain{with};
+  with.strengths_per_geometry = 2;
+  Ensemble nested{with};
+  for (const float tens : {5.0F, 3.0F, 8.0F}) {
+    plain.add(sized_record(2, 30, tens), "x");
+    for (int draw = 0; draw < 2; ++draw) nested.add(sized_record(2, 30, tens), "x");
+  }
+  const Figures a = plain.figures(), b = nested.figures();
+  EXPECT_DOUBLE_EQ(b.block_sizes->mean_volume.low, a.block_sizes->mean_volume.low);
+  EXPECT_DOUBLE_EQ(b.block_sizes->by_volume[0].volume_m3, a.block_sizes->by_volume[0].volume_m3);
+  EXPECT_DOUBLE_EQ(b.sets[0].joints.mean, 2);
+  EXPECT_DOUBLE_EQ(b.jv->mean, 2.25);
+}
+
 TEST(EnsembleTest, FailuresAreListedNotCounted) {
   Ensemble ensemble{options()};
   Record bad;

@@ -53,6 +53,14 @@ Record example(std::uint64_t k) {
   if (k % 3 == 0) r.orders = {{k, rng.uniform()}, {0, 0}, {7, 1e-9}};
   if (k % 3 == 1) r.border = HeldByBorder{k, cubic_metres(rng.uniform())};
   if (k % 4 == 0) r.clamped = Clamped{k, 2, cubic_metres(rng.uniform())};
+  if (k % 2 == 1) {
+    r.whole = WholeBlocks{k,
+                          cubic_metres(1e3 * rng.uniform()),
+                          {rng.uniform(), 0, 3, rng.uniform()},
+                          {{3, 1.25F, 7e-6F}, {48, 1e3F, 2e3F}}};
+    r.lines = {{k, metres(rng.uniform()), 99.5}, {0, {}, 0}};
+    r.sets = {{k, rng.uniform(), rng.uniform(), rng.uniform()}, {0, 0, 0, 0}};
+  }
   if (k % 5 == 0) r.groups = Grouped{k, 3, cubic_metres(rng.uniform()), cubic_metres(1e3 * rng.uniform()), k % 2 == 0};
   return r;
 }
@@ -84,6 +92,17 @@ TEST(RecordTest, DamageIsSeen) {
     changed[cut] = changed[cut] == '7' ? '8' : '7';
     EXPECT_FALSE(record_of(changed).has_value()) << cut;
   }
+}
+
+// Bins of whole blocks that do not rise, or lie beyond the last one, are refused though the checksum fits.
+TEST(RecordTest, BinsRiseAndExist) {
+  Record record = example(1);
+  record.whole->bins = {{48, 1, 1}, {48, 1, 1}};
+  EXPECT_FALSE(record_of(line_of(record)).has_value());
+  record.whole->bins = {{SizeHistogram::bins, 1, 1}};
+  EXPECT_FALSE(record_of(line_of(record)).has_value());
+  record.whole->bins = {{SizeHistogram::bins - 1, 1, 1}};
+  EXPECT_EQ(record_of(line_of(record)), record);
 }
 
 TEST(RecordTest, HistogramBinsHoldTheirVolumes) {

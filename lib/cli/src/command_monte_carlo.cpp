@@ -104,6 +104,9 @@ ExitCode publish_monte_carlo(const scene::Scene& scene, scene::MonteCarloResult 
   step(scene::Stage::write, [&]() -> MonteCarloFolder::File { return {"log.txt", log_text(page)}; });
   step(scene::Stage::report,
        [&]() -> MonteCarloFolder::File { return {"report.html", report::monte_carlo_html(page)}; });
+  if (std::string sizes = report::block_sizes_csv(page); scene.output.csv && !sizes.empty()) {
+    files.push_back({"block_sizes.csv", std::move(sizes)});
+  }
   std::ranges::move(copies, std::back_inserter(files));
   files.push_back({"summary.json", report::monte_carlo_json(page)});
   auto published =

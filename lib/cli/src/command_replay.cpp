@@ -57,7 +57,7 @@ ExitCode replay_realization(const ReplayArguments& arguments) {
   scene->title += fmt::format(" (realization {})", arguments.realization);
   const std::string out =
       arguments.out.value_or((result / fmt::format("realization_{}", arguments.realization)).string());
-  const stochastic::Questions questions = questions_of(*scene);
+  const scene::Shared shared{.questions = questions_of(*scene), .fields = nullptr, .lines = lines_in_rock(*scene)};
   if (arguments.motion) {
     if (!scene->stability) return wrong("nothing is judged in its scene, so no block is let go; run without --motion");
     let_move(*arguments.motion, *scene);
@@ -69,7 +69,7 @@ ExitCode replay_realization(const ReplayArguments& arguments) {
   return in_out_folder(out, interrupts, [&](OutFolder& folder) {
     auto run = scene::run(*scene, options, timer, progress);
     if (!run) return report_problems(run.error());
-    const stochastic::Record again = record_of(arguments.realization, *run, questions);
+    const stochastic::Record again = record_of(arguments.realization, *run, shared);
     const bool same = line_of(again) == line_of(*stored);
     run->notes.push_back(fmt::format("realization {} of a Monte Carlo run; its record {}", arguments.realization,
                                      same ? "is reproduced to the last digit" : "is NOT reproduced"));

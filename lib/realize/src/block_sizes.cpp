@@ -59,11 +59,36 @@ std::array<double, 3> eigenvalues(const std::array<double, 6>& m) {
   return {first, 3 * mean - first - last, last};
 }
 
-void add_shape(ShapeClasses& classes, const BlockComplex& complex, const topology::Block& block) {
+/// Index of a block's class in stochastic::shape_class_names.
+std::size_t shape_class(const BlockComplex& complex, const topology::Block& block) {
   const auto values = eigenvalues(covariance(complex, block));
   constexpr double limit = 4.0 / 9;  // squares of the axes
   const bool rod = values[1] <= limit * values[0], plate = values[2] <= limit * values[1];
-  ++(rod ? (plate ? classes.bladed : classes.elongated) : (plate ? classes.platy : classes.cubic));
+  return (rod ? 2U : 0U) + (plate ? 1U : 0U);
+}
+
+void add_shape(ShapeClasses& classes, const BlockComplex& complex, const topology::Block& block) {
+  ++*std::array{&classes.cubic, &classes.platy, &classes.elongated, &classes.bladed}.at(shape_class(complex, block));
+}
+
+/// How much rarer than a point a block is met whole in the box.
+double border_weight(const BlockComplex& complex, const topology::Block& block, const Box& box) {
+  Vec3 low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
+  for (const topology::FaceId id : block.faces) {
+    for (const auto& loop : complex.loops(complex.faces()[id])) {
+      for (const auto vertex : loop) {
+        const Vec3 at = complex.vertices()[vertex];
+        low = {std::min(low.x, at.x), std::min(low.y, at.y), std::min(low.z, at.z)};
+        high = {std::max(high.x, at.x), std::max(high.y, at.y), std::max(high.z, at.z)};
+      }
+    }
+  }
+  constexpr double least = 0.01;
+  const auto along = [&](double Vec3::* p) {
+    const double side = box.max.*p - box.min.*p;
+    return 1 / std::max(least, 1 - (high.*p - low.*p) / side);
+  };
+  return along(&Vec3::x) * along(&Vec3::y) * along(&Vec3::z);
 }
 
 /// Area vectors of a joint's flat parts within the box.
@@ -101,6 +126,7 @@ std::vector<Vec3> areas_of(const topology::CutInput& input, std::size_t joint, c
 
 SetFigures figures_of(std::string name, std::uint64_t joints, const std::vector<Vec3>& areas, double volume) {
   SetFigures set{.name = std::move(name), .joints = joints};
+  if (areas.empty()) return set;
   // Mean axis by area: turned to one side until none changes.
   Vec3 mean = areas.front();
   for (int round = 0; round < 50; ++round) {
@@ -180,8 +206,37 @@ std::optional<BlockSizes> block_sizes(const BlockComplex& complex) {
   return sizes;
 }
 
-std::vector<SetFigures> count_sets(const topology::CutInput& input, const std::vector<SetId>& set_of,
-                                   const std::vector<std::string>& names) {
+std::optional<Box> undisturbed_box(const Scene& scene) {
+  const Box box = box_of(scene.domain);
+  const Vec3 sides = box.max - box.min;
+  const double volume = sides.x * sides.y * sides.z;
+  const bool is_box = std::abs(scene.domain.volume().si() - volume) <= 1e-9 * volume;
+  if (!is_box || !scene.excavations.empty() || !scene.free_domain_tags.empty()) return std::nullopt;
+  return box;
+}
+
+stochastic::WholeBlocks tally_blocks(const BlockComplex& complex, const std::optional<Box>& box) {
+  stochastic::WholeBlocks whole;
+  std::array<std::pair<double, double>, stochastic::SizeHistogram::bins> bins{};
+  for (const topology::Block& block : complex.blocks()) {
+    if (block.truncated || block.fixed) continue;
+    const double weight = box ? border_weight(complex, block, *box) : 1, volume = block.volume.si();
+    ++whole.count;
+    whole.volume += block.volume;
+    whole.shapes.at(shape_class(complex, block)) += weight;
+    auto& [number, sum] = bins.at(stochastic::SizeHistogram::bin_of(volume));
+    number += weight;
+    sum += weight * volume;
+  }
+  for (std::uint32_t i = 0; i < bins.size(); ++i) {
+    const auto& [number, sum] = bins.at(i);
+    if (number > 0) whole.bins.push_back({i, static_cast<float>(number), static_cast<float>(sum)});
+  }
+  return whole;
+}
+
+std::vector<SetFigures> count_all_sets(const topology::CutInput& input, const std::vector<SetId>& set_of,
+                                       const std::vector<std::string>& names) {
   const Box box = box_of(input.domain);
   const Vec3 sides = box.max - box.min;
   std::vector<std::vector<Vec3>> areas(names.size());
@@ -198,10 +253,16 @@ std::vector<SetFigures> count_sets(const topology::CutInput& input, const std::v
   }
   std::vector<SetFigures> figures;
   for (std::size_t set = 0; set < names.size(); ++set) {
-    if (areas[set].empty()) continue;
     figures.push_back(figures_of(names[set], joints[set], areas[set], sides.x * sides.y * sides.z));
   }
   return figures;
+}
+
+std::vector<SetFigures> count_sets(const topology::CutInput& input, const std::vector<SetId>& set_of,
+                                   const std::vector<std::string>& names) {
+  std::vector<SetFigures> sets = count_all_sets(input, set_of, names);
+  std::erase_if(sets, [](const SetFigures& set) { return set.joints == 0; });
+  return sets;
 }
 
 }  // namespace cleave::scene

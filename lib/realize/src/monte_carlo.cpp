@@ -43,6 +43,8 @@ stochastic::Questions questions_of(const Scene& scene) {
   if (!scene.monte_carlo) return questions;
   questions.groups = scene.stability && scene.stability->decides_by_groups();
   questions.clamped = scene.stability && scene.field_stress;
+  questions.whole = !(scene.output.only_key_blocks && scene.stability);
+  questions.undisturbed = undisturbed_box(scene);
   questions.volumes_m3 = scene.monte_carlo->volumes;
   for (const Excavation& excavation : scene.excavations) {
     if (excavation.axis.empty()) continue;
@@ -54,7 +56,7 @@ stochastic::Questions questions_of(const Scene& scene) {
 }
 
 Shared shared_by_realizations(const Scene& scene, unsigned threads) {
-  return {questions_of(scene), shared_fields(scene, threads)};
+  return {questions_of(scene), shared_fields(scene, threads), lines_in_rock(scene)};
 }
 
 std::vector<std::vector<std::uint32_t>> orders_of(const Scene& scene) {
@@ -69,7 +71,7 @@ std::vector<std::vector<std::uint32_t>> orders_of(const Scene& scene) {
 stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
   const stochastic::Questions questions = questions_of(scene);
   stochastic::EnsembleOptions options{.stability = scene.stability.has_value(),
-                                      .whole_system = !(scene.output.only_key_blocks && scene.stability),
+                                      .whole_system = questions.whole,
                                       .confidence = scene.monte_carlo ? scene.monte_carlo->confidence : 0.95,
                                       .volumes_m3 = questions.volumes_m3,
                                       .tunnel_length_m = {},
@@ -81,6 +83,10 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
                                       .orders = orders_of(scene).size(),
                                       .strengths_per_geometry = strengths_per_geometry(scene)};
   if (!questions.axis.empty()) options.tunnel_length_m = stochastic::length_of(questions.axis);
+  for (const auto& [name, p] : Percentiles::levels) options.size_levels.push_back(p);
+  for (const NamedSet& set : scene.sets) options.sets.push_back(set.name);
+  for (const ScanLine& line : scene.lines) options.lines.push_back(line.name);
+  options.undisturbed = questions.undisturbed.has_value();
   if (scene.monte_carlo && scene.monte_carlo->stop) options.running_quantity = scene.monte_carlo->stop->quantity;
   return options;
 }
@@ -94,9 +100,22 @@ stochastic::SupportedTogether supported_together(const Realization& made) {
   return {.not_held = figures.not_held, .in_doubt = figures.in_doubt, .not_held_volume = figures.not_held_volume};
 }
 
+std::vector<stochastic::SetTally> tally_sets(const SampledScene& made) {
+  std::vector<SetId> set_of;
+  std::vector<std::string> names;
+  for (const JointInfo& joint : made.joints) set_of.push_back(joint.set);
+  for (const SetInfo& set : made.sets) names.push_back(set.name);
+  std::vector<stochastic::SetTally> tallies;
+  for (const SetFigures& set : count_all_sets(made.input, set_of, names)) {
+    tallies.push_back({set.joints, set.p32, set.p10, set.p21});
+  }
+  return tallies;
+}
+
 }  // namespace
 
-Record record_of(std::uint64_t k, const Realization& made, const stochastic::Questions& questions) {
+Record record_of(std::uint64_t k, const Realization& made, const Shared& shared) {
+  const stochastic::Questions& questions = shared.questions;
   Record record;
   record.realization = k;
   if (!made.complex) {
@@ -108,6 +127,13 @@ Record record_of(std::uint64_t k, const Realization& made, const stochastic::Que
   record = stochastic::measure(complex, made.analysis ? &*made.analysis : nullptr, questions, held ? &*held : nullptr);
   record.realization = k;
   record.joints = made.joints.size();
+  if (questions.whole) record.whole = tally_blocks(complex, questions.undisturbed);
+  record.sets = tally_sets(made);
+  for (const LineInRock& line : shared.lines) {
+    const LinePieces found = pieces_on(line, made.input);
+    const double rqd = found.length.si() > 0 ? survey::rqd_measured(found.pieces, found.length.si()) : 0;
+    record.lines.push_back({found.joints, found.length, rqd});
+  }
   if (made.support) {
     stochastic::Supported& sum = record.support.emplace();
     sum.spot_bolts = made.support->spot_bolts;
@@ -154,7 +180,7 @@ std::vector<Record> make_records(const Scene& scene, const Shared& shared, std::
   std::vector<Record> records;
   realize(scene, shared.fields, first, count, timer, [&](std::uint64_t k, const Realization* made) {
     if (made != nullptr) {
-      records.push_back(record_of(k, *made, shared.questions));
+      records.push_back(record_of(k, *made, shared));
     } else {
       records.emplace_back().realization = k;
       records.back().outcome = Outcome::refused;

@@ -114,6 +114,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   std::ranges::copy(group_notes, std::back_inserter(result.notes));
   if (result.motion) std::ranges::copy(result.motion->notes, std::back_inserter(result.notes));
   if (result.complex) add_excavation_notes(result.excavations, result.notes);
+  std::ranges::move(notes_on_lines(scene), std::back_inserter(result.notes));
   result.files = scene.files;
   result.north = scene.north;
   result.cost = cost_of(timer, options.threads);
@@ -123,6 +124,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   if (scene.support) result.bolt_groups = scene.support->groups;
   result.tunnel_length = tunnel_length(scene);
   result.figures = count(result);
+  result.figures.input.lines = count_lines(scene, result.input);
   return result;
 }
 

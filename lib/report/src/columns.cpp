@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "cleave/report/key_blocks.hpp"
+#include "cleave/report/monte_carlo_fields.hpp"
 #include "tables.hpp"
 #include "tables2d.hpp"
 
@@ -55,7 +56,8 @@ std::string columns_of_tables() {
          table("key_groups.csv", KeyGroupRow{group}) + table("supported_groups.csv", SupportedGroupRow{group}) +
          table("motion.csv", scene::MotionBlock{.block = topology::BlockId{0U}, .centroid = {}}) +
          table("maximum_blocks.csv", scene::MaximumRow{}) + table("points.csv", StressPointRow{}) +
-         table("history.csv", scene::ContactHistory{}) + table("bodies.csv", scene::ContactBodyResult{});
+         table("block_sizes.csv", stochastic::SizeShare{}) + table("history.csv", scene::ContactHistory{}) +
+         table("bodies.csv", scene::ContactBodyResult{});
 }
 
 }  // namespace cleave::report

@@ -311,6 +311,13 @@ std::string inputs_section(const Page& page) {
         row("Sides that nearly reach another polygon",
             display_count(input.near_misses.sides) + ", " + display(input.near_misses.largest.si(), 2) + " m at most");
   }
+  for (const scene::LineFigures& line : input.lines) {
+    out += row("Scanline " + escape_xml(line.name),
+               display_count(line.joints) + " joints on " + display(line.length.si()) + " m of rock, " +
+                   display(line.frequency.value.value_or(0)) + " per m, RQD " + display(line.rqd.value.value_or(0)) +
+                   " [" + display(line.rqd.low) + " … " + display(line.rqd.high) + "] %, longest piece " +
+                   display(line.longest_piece.si()) + " m");
+  }
   if (!input.snapped.empty()) out += row("Joints changed by snap", display_count(input.snapped.size()));
   return "<section id=\"inputs\"><h2>Inputs</h2>\n" + facts_table(out) + limits_of(r) + notes_list(r.notes) +
          "</section>\n";

@@ -6,7 +6,9 @@
 #include <iterator>
 #include <utility>
 
+#include "cleave/exchange/csv.hpp"
 #include "cleave/realize/run.hpp"
+#include "cleave/report/monte_carlo_fields.hpp"
 
 namespace cleave::report {
 
@@ -45,9 +47,15 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
         "these sides in `free`",
         estimate.mean));
   }
+  std::ranges::move(notes_on_lines(scene), std::back_inserter(page.result.figures.notes));
   for (const scene::Problem& note : scene.notes) page.notes.push_back(describe(note));
   if (scene.monte_carlo && scene.monte_carlo->stop) page.stop_quantity = scene.monte_carlo->stop->quantity;
   return page;
+}
+
+std::string block_sizes_csv(const MonteCarloPage& page) {
+  const auto& sizes = page.result.figures.block_sizes;
+  return sizes ? csv_table(stochastic::SizeShare{}, sizes->curve) : std::string{};
 }
 
 }  // namespace cleave::report

@@ -9,13 +9,16 @@
 #include "cleave/report/monte_carlo_fields.hpp"
 #include "html_parts.hpp"
 #include "html_table.hpp"
+#include "monte_carlo_parts.hpp"
 #include "plot.hpp"
 
 namespace cleave::report {
 namespace {
 
 using detail::Axis;
+using detail::interval;
 using detail::LineStyle;
+using detail::percent;
 using detail::Plot;
 using detail::PlotPoint;
 using stochastic::Estimate;
@@ -25,10 +28,6 @@ const Estimate* find(const Figures& figures, std::string_view name) {
   const auto it = std::ranges::find(figures.estimates, name, &Estimate::name);
   return it == figures.estimates.end() ? nullptr : &*it;
 }
-
-std::string percent(double share, int digits = 3) { return display(100 * share, digits) + " %"; }
-
-std::string interval(double low, double high) { return display(low) + " … " + display(high); }
 
 /// The name of a quantity in words, its unit behind a comma.
 std::string words(std::string name) {
@@ -388,12 +387,15 @@ std::string monte_carlo_html(const MonteCarloPage& page) {
   std::string out = detail::page_begin(title, detail::project_line(page.project) + escape_xml(page.scene_file) +
                                                   " · Monte Carlo, seed " + std::to_string(page.seed) + shard);
   out += cards(page);
-  const std::string figures =
-      running_figure(f) + size_figure(f) + exceedance_figure(f) + factor_figure(f) + chainage_figure(page);
+  const std::string figures = running_figure(f) + detail::block_size_figure(f) + size_figure(f) + exceedance_figure(f) +
+                              factor_figure(f) + chainage_figure(page);
   if (!figures.empty()) {
     out += "<section id=\"figures\"><h2>Convergence, sizes, probabilities</h2>\n<div class=\"columns\">" + figures +
            "</div></section>\n";
   }
+  out += detail::block_size_tables(f);
+  out += detail::sets_table(f);
+  out += detail::lines_table(f);
   out += probability_table(f);
   out += pressure_table(f);
   out += orders_table(page);

@@ -59,6 +59,7 @@ struct ParsedStability {
 [[nodiscard]] std::optional<MotionSettings> parse_motion(const TableReader& root,
                                                          const std::optional<StabilitySettings>& stability,
                                                          const std::optional<SequenceSettings>& sequence);
+[[nodiscard]] std::vector<ScanLine> parse_lines(const Context& context, const TableReader& root);
 [[nodiscard]] MicroBlocks parse_micro_blocks(const TableReader& root);
 
 /// Adds notes on a scene that is not wrong: joints outside the domain, no joints at all, strengths that nobody stated.

@@ -172,6 +172,7 @@ const KeyTable& scene_keys() {
            {"joint_set", key::tables(&joint_set_keys), "", "joints drawn at random"},
            {"joints", key::named(key::table(&strength_keys)), "", "strength by set; `[joints.default]` for the rest"},
            {"rock", key::table(&rock_keys), "", "properties of the rock"},
+           {"scanline", key::tables(&scanline_keys), "", "lines and boreholes: joints, frequency and RQD along them"},
            {"excavation", key::tables(&excavation_keys), "", "what is taken out, in order"},
            {"stability", key::table(&stability_keys), "", "key blocks"},
            {"load", key::tables(&load_keys), "", "load cases"},
@@ -184,7 +185,7 @@ const KeyTable& scene_keys() {
            {"output", key::table(&output_keys), "", "files of the result"}},
       .steps = {{Stage::read, {"include"}},
                 {Stage::draw, {"joint_set", "joints"}},
-                {Stage::cut, {"domain", "joint", "excavation"}},
+                {Stage::cut, {"domain", "joint", "excavation", "scanline"}},
                 {Stage::stability, {"rock", "joints", "stability", "load", "sequence", "micro_blocks"}},
                 {Stage::support, {"support"}},
                 {Stage::monte_carlo, {"monte_carlo"}},
@@ -258,6 +259,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   const Rock rock = parse_rock(root);
   std::vector<Excavation> excavations;
   parse_excavations(context, root, domain, excavations);
+  std::vector<ScanLine> lines = parse_lines(context, root);
   ParsedStability stability = parse_stability(context, root, domain, excavations);
   std::optional<SupportSettings> support = parse_support(root, excavations, stability.settings);
   std::set<SetId> used;
@@ -299,6 +301,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
                .joint_sets = std::move(joint_sets),
                .rock = rock,
                .excavations = std::move(excavations),
+               .lines = std::move(lines),
                .support = std::move(support),
                .stability = stability.settings,
                .field_stress = field_stress,

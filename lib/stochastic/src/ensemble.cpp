@@ -37,6 +37,7 @@ Ensemble::Ensemble(EnsembleOptions options)
       numbers_above_(options_.volumes_m3.size()),
       chainage_(options_.volumes_m3.size(), std::vector<Moments>(options_.chainage_parts)),
       orders_(options_.orders),
+      block_sizes_{options_.sets.size(), options_.lines.size()},
       within_(quantities().size()),
       within_squares_(quantities().size()),
       below_(SizeHistogram::bins),
@@ -60,6 +61,7 @@ std::vector<double> Ensemble::numbers_of(const Record& record) const {
     numbers.push_back(ratio.top(record));
     numbers.push_back(ratio.bottom(record));
   }
+  block_sizes_.add_numbers(record, numbers);
   if (!options_.stability) return numbers;
   numbers.push_back(record.all.count > 0 ? record.all.volume_m3 / number(record.all.count) : 0);
   numbers.push_back(record.all.count > 0 ? 1 : 0);
@@ -161,6 +163,7 @@ void Ensemble::add_unit(const std::vector<double>& sums) {
                         mean.mean() - t_interval(mean.mean(), mean.standard_error(), units_, options_.confidence).low});
     next_running_ = std::max(units_ + 1, static_cast<std::uint64_t>(std::ceil(number(units_) * 1.08)));
   }
+  block_sizes_.add_unit(sums, next, m);
   if (!options_.stability) return;
   const double mean_volumes = take(), with_key_blocks = take();
   if (with_key_blocks > 0) {

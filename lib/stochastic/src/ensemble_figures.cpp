@@ -62,13 +62,13 @@ Estimate Ensemble::estimate(std::string name, const Moments& m, const Tail& tail
 
 /// Of a share of blocks, which hang together within a realization: with the effective number of blocks, Student's t in
 /// place of the normal law. Where all or none are of the kind, as many as equal realizations there are.
-Interval Ensemble::share_interval(const PairMoments& pair) const {
+Interval Ensemble::share_interval(const PairMoments& pair, double most) const {
   const double p = std::clamp(pair.ratio(), 0.0, 1.0), se = pair.ratio_standard_error();
   double effective = pair.equal_parts();
   if (p > 0 && p < 1 && se > 0 && pair.count() >= 2) {
     const double level = 0.5 + options_.confidence / 2;
     const double wider = special::student_t_quantile(level, number(pair.count() - 1)) / normal_quantile(level);
-    effective = std::min(p * (1 - p) / (se * se * wider * wider), pair.sum_x());
+    effective = std::min(p * (1 - p) / (se * se * wider * wider), most);
   }
   return clopper_pearson_effective(p, std::max(effective, 1e-6), options_.confidence);
 }
@@ -77,7 +77,7 @@ Estimate Ensemble::ratio_estimate(std::string name, const PairMoments& pair, con
   const double r = pair.ratio(), se = pair.ratio_standard_error(), skewness = pair.ratio_skewness();
   Interval interval{r, r};
   if (share) {
-    interval = share_interval(pair);
+    interval = share_interval(pair, pair.sum_x());
   } else if (pair.count() >= 2) {
     interval = with_tail(skew_interval(r, se, skewness, pair.count(), options_.confidence, widening), r, tail,
                          pair.count(), options_.confidence);
@@ -309,7 +309,7 @@ void Ensemble::add_factors(Figures& figures) const {
     const PairMoments& below = factors_below_[i];
     figures.factors.push_back({.factor = factor_step * number(i + 1),
                                .share_below = below.ratio(),
-                               .share_interval = share_interval(below),
+                               .share_interval = share_interval(below, below.sum_x()),
                                .number_below = below.ratio() * blocks,
                                .probability = probability_of(with_factor_below_[i]),
                                .interval = probability_interval(with_factor_below_[i])});
@@ -362,6 +362,7 @@ Figures Ensemble::figures() const {
   add_quantiles(figures);
   add_exceedances(figures);
   add_orders(figures);
+  add_block_sizes(figures);
   add_variances(figures);
   add_border(figures);
   add_factors(figures);

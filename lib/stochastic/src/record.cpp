@@ -184,6 +184,35 @@ std::vector<double> numbers_of(const std::vector<OrderTally>& orders) {
   return numbers;
 }
 
+std::vector<double> numbers_of(const std::optional<WholeBlocks>& w) {
+  if (!w) return {};
+  std::vector<double> numbers{static_cast<double>(w->count), w->volume.si()};
+  numbers.insert(numbers.end(), w->shapes.begin(), w->shapes.end());
+  return numbers;
+}
+std::vector<float> bins_of(const std::optional<WholeBlocks>& w) {
+  std::vector<float> numbers;
+  if (!w) return numbers;
+  for (const SizeBin& bin : w->bins) {
+    for (const float x : {static_cast<float>(bin.bin), bin.number, bin.volume_m3}) numbers.push_back(x);
+  }
+  return numbers;
+}
+std::vector<double> numbers_of(const std::vector<SetTally>& sets) {
+  std::vector<double> numbers;
+  for (const SetTally& set : sets) {
+    for (const double x : {static_cast<double>(set.joints), set.p32, set.p10, set.p21}) numbers.push_back(x);
+  }
+  return numbers;
+}
+std::vector<double> numbers_of(const std::vector<LineTally>& lines) {
+  std::vector<double> numbers;
+  for (const LineTally& line : lines) {
+    for (const double x : {static_cast<double>(line.joints), line.length.si(), line.rqd}) numbers.push_back(x);
+  }
+  return numbers;
+}
+
 bool is_count(double x) { return x >= 0 && x < 0x1p53 && x == std::floor(x); }
 
 bool take(const std::vector<double>& n, std::optional<Supported>& support) {
@@ -225,12 +254,45 @@ bool take(const std::vector<double>& n, std::vector<OrderTally>& orders) {
   return true;
 }
 
+bool take(const std::vector<double>& n, const std::vector<float>& bins, std::optional<WholeBlocks>& whole) {
+  if (n.empty()) return bins.empty();
+  if (n.size() != 6 || !is_count(n[0]) || bins.size() % 3 != 0) return false;
+  WholeBlocks& w = whole.emplace();
+  w.count = static_cast<std::uint64_t>(n[0]);
+  w.volume = cubic_metres(n[1]);
+  std::copy(n.begin() + 2, n.end(), w.shapes.begin());
+  for (std::size_t i = 0; i < bins.size(); i += 3) {
+    const float bin = bins[i];
+    if (!is_count(bin) || bin >= SizeHistogram::bins || !(bins[i + 1] > 0) || !(bins[i + 2] >= 0)) return false;
+    w.bins.push_back({static_cast<std::uint32_t>(bin), bins[i + 1], bins[i + 2]});
+  }
+  return std::ranges::is_sorted(w.bins, std::ranges::less_equal{}, &SizeBin::bin);
+}
+bool take(const std::vector<double>& n, std::vector<SetTally>& sets) {
+  if (n.size() % 4 != 0) return false;
+  for (std::size_t i = 0; i < n.size(); i += 4) {
+    if (!is_count(n[i])) return false;
+    sets.push_back({static_cast<std::uint64_t>(n[i]), n[i + 1], n[i + 2], n[i + 3]});
+  }
+  return true;
+}
+bool take(const std::vector<double>& n, std::vector<LineTally>& lines) {
+  if (n.size() % 3 != 0) return false;
+  for (std::size_t i = 0; i < n.size(); i += 3) {
+    if (!is_count(n[i])) return false;
+    lines.push_back({static_cast<std::uint64_t>(n[i]), metres(n[i + 1]), n[i + 2]});
+  }
+  return true;
+}
+
 }  // namespace
 
-void SizeHistogram::add(double volume) noexcept {
+std::size_t SizeHistogram::bin_of(double volume) noexcept {
   const double at = volume > 0 ? std::floor((std::log10(volume) - lowest_exponent) * per_decade) : 0.0;
-  ++counts_[static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(bins - 1)))];
+  return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(bins - 1)));
 }
+
+void SizeHistogram::add(double volume) noexcept { ++counts_[bin_of(volume)]; }
 
 double SizeHistogram::edge(std::size_t bin) noexcept {
   return std::pow(10.0, lowest_exponent + static_cast<double>(bin) / per_decade);
@@ -245,7 +307,7 @@ std::string_view record_columns() noexcept {
          "first_count,first_volume_m3,first_largest_m3,first_support_n,first_support_transferred_n,first_falling,"
          "first_lifting,first_sliding,first_wedge,first_tetrahedral,first_pentahedral,first_hexahedral,first_higher,"
          "first_other,first_concave,first_sphericity_sum,first_sizes,above,chainage_m3,support,orders,groups,clamped,"
-         "border,crc32";
+         "border,whole,whole_bins,sets,lines,crc32";
 }
 
 std::string line_of(const Record& r) {
@@ -272,6 +334,12 @@ std::string line_of(const Record& r) {
                                              numbers_of(r.clamped), numbers_of(r.border)}) {
     w.list(std::span{numbers});
   }
+  const std::vector<double> whole = numbers_of(r.whole), sets = numbers_of(r.sets), lines = numbers_of(r.lines);
+  const std::vector<float> bins = bins_of(r.whole);
+  w.list(std::span{whole});
+  w.list(std::span{bins});
+  w.list(std::span{sets});
+  w.list(std::span{lines});
   return std::move(w).finish();
 }
 
@@ -305,14 +373,20 @@ std::optional<Record> record_of(std::string_view line) {
   r.tally(record.first);
   r.list(record.above);
   r.list(record.chainage_m3);
-  std::vector<double> support, orders, groups, clamped, border;
+  std::vector<double> support, orders, groups, clamped, border, whole, sets, lines;
+  std::vector<float> bins;
   r.list(support);
   r.list(orders);
   r.list(groups);
   r.list(clamped);
   r.list(border);
+  r.list(whole);
+  r.list(bins);
+  r.list(sets);
+  r.list(lines);
   if (!take(support, record.support) || !take(orders, record.orders) || !take(groups, record.groups) ||
-      !take(clamped, record.clamped) || !take(border, record.border)) {
+      !take(clamped, record.clamped) || !take(border, record.border) || !take(whole, bins, record.whole) ||
+      !take(sets, record.sets) || !take(lines, record.lines)) {
     return std::nullopt;
   }
   if (!record.factors.empty() && record.factors.size() != factor_bins) return std::nullopt;

@@ -14,6 +14,8 @@
 #include "cleave/facets/cut_input.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/scene3d/scene.hpp"
+#include "cleave/stochastic/record.hpp"
+#include "cleave/survey/traces.hpp"
 #include "cleave/topology/block_complex.hpp"
 
 /// Block sizes of a mass, and how much of each joint set is in it.
@@ -75,6 +77,14 @@ void fields(V& v, const BlockSizes& x) {
 }
 /// Of blocks that touch no fixed side where there are at least 30 of them, else of all; empty without blocks.
 [[nodiscard]] std::optional<BlockSizes> block_sizes(const topology::BlockComplex& complex);
+/// The box of a domain that is one, without openings and free sides: there it is known how rarely a whole block of some
+/// size is met. Empty of other scenes.
+[[nodiscard]] std::optional<geometry::Box> undisturbed_box(const Scene& scene);
+/// Blocks that touch no fixed side, as an ensemble adds them up. With a box a block of the extents w counts |box| over
+/// the volume of the places where it lies within, prod(L - w) (Miles 1974, Lantuejoul 1980): the larger a block, the
+/// more of its kind are cut by a side. Gaps L - w below a hundredth of L count as that.
+[[nodiscard]] stochastic::WholeBlocks tally_blocks(const topology::BlockComplex& complex,
+                                                   const std::optional<geometry::Box>& box);
 /// Percentiles of volumes, in any order, by number (between the values) and by volume; not empty.
 [[nodiscard]] Percentiles percentiles_by_number(std::vector<double> volumes);
 [[nodiscard]] Percentiles percentiles_by_volume(std::vector<double> volumes);
@@ -94,8 +104,58 @@ void fields(V& v, const SetFigures& x) {
   v("p10", x.p10, "1/m, joints along their mean normal, mean over all lines that way");
   v("p21", x.p21, "1/m, length of traces on level planes, mean over all of them");
 }
-/// Of the sets that have joints. `set_of`: of each joint of the input.
+/// Of all sets, in their order. `set_of`: of each joint of the input.
+[[nodiscard]] std::vector<SetFigures> count_all_sets(const topology::CutInput& input, const std::vector<SetId>& set_of,
+                                                     const std::vector<std::string>& names);
+/// Of the sets that have joints in the box.
 [[nodiscard]] std::vector<SetFigures> count_sets(const topology::CutInput& input, const std::vector<SetId>& set_of,
                                                  const std::vector<std::string>& names);
+
+/// A scanline of the scene, and which parts of it lie in the rock.
+struct LineInRock {
+  struct Leg {
+    geometry::Vec3 from, to;
+    std::vector<std::pair<double, double>> rock;  ///< along the leg from `from`, in order
+  };
+  std::string name;
+  std::vector<Leg> legs;
+};
+/// Of every scanline: what is outside the domain or excavated is left out.
+[[nodiscard]] std::vector<LineInRock> lines_in_rock(const Scene& scene);
+/// What the joints cut a line into. A joint that a line runs along is not met. Whether a polygon is crossed is decided
+/// exactly; of two polygons that share an edge through which the line goes it crosses one.
+struct LinePieces {
+  std::uint64_t joints = 0;
+  Length length = {};          ///< of rock
+  std::vector<double> pieces;  ///< in order; those at the ends of the rock included
+};
+[[nodiscard]] LinePieces pieces_on(const LineInRock& line, const topology::CutInput& input);
+
+/// Joints, frequency and RQD along one line, as a log of it would have them.
+struct LineFigures {
+  std::string name;
+  Length length = {};
+  std::uint64_t joints = 0;
+  survey::Estimate frequency = {}, rqd = {};
+  Length mean_piece = {}, longest_piece = {};
+};
+template <class V>
+void fields(V& v, const LineFigures& x) {
+  v("name", x.name);
+  v("length_m", x.length, "in the rock");
+  v("joints", x.joints, "crossed");
+  v("frequency_per_m", x.frequency.value.value_or(0));
+  v("frequency_low", x.frequency.low, "exact Poisson interval: what the line says of the rock mass");
+  v("frequency_high", x.frequency.high);
+  v("rqd", x.rqd.value.value_or(0), "%, share of the line in pieces of 0.1 m and more");
+  v("rqd_low", x.rqd.low);
+  v("rqd_high", x.rqd.high);
+  v("mean_piece_m", x.mean_piece);
+  v("longest_piece_m", x.longest_piece);
+}
+/// Of lines that meet no rock.
+[[nodiscard]] std::vector<std::string> notes_on_lines(const Scene& scene);
+/// Lines that meet no rock are left out.
+[[nodiscard]] std::vector<LineFigures> count_lines(const Scene& scene, const topology::CutInput& input);
 
 }  // namespace cleave::scene

@@ -105,6 +105,7 @@ struct CutFigures : InputFigures {
   topology::CoarseSnap coarse_snap = {};
   topology::NearMisses near_misses = {};
   std::vector<SetFigures> sets = {};
+  std::vector<LineFigures> lines = {};
 };
 template <class V>
 void fields(V& v, const CutFigures& x) {
@@ -112,6 +113,7 @@ void fields(V& v, const CutFigures& x) {
   v("files", when_any(x.files), "read for the scene, beside the scene file itself (scene_sha256)");
   v("excavations", when_any(x.excavations), "in the order of the scene");
   v("sets", when_any(x.sets), "joint sets as they lie in the box around the domain");
+  v("lines", when_any(x.lines), "what the joints cut the scanlines into");
   v("snapped", when_any(x.snapped), "the joints that `snap` changed, by number; absent when there are none");
   v("coarse_snap", when(x.coarse_snap.polygons > 0, x.coarse_snap),
     "polygons that are smaller than `snap`: what they part may be other than what was meant");

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cleave/core/cost.hpp"
+#include "cleave/realize/block_sizes.hpp"
 #include "cleave/realize/run.hpp"
 #include "cleave/realize/sequence.hpp"
 #include "cleave/scene3d/scene.hpp"
@@ -30,14 +31,14 @@ namespace cleave::scene {
 /// How many realizations in a row share their joints; 1: each has its own.
 [[nodiscard]] std::uint64_t strengths_per_geometry(const Scene& scene) noexcept;
 
-/// What is kept of realization `k`.
-[[nodiscard]] stochastic::Record record_of(std::uint64_t k, const Realization& made,
-                                           const stochastic::Questions& questions);
 /// What all realizations of a scene have in common.
 struct Shared {
   stochastic::Questions questions = {};
   std::shared_ptr<const TunnelFields> fields = nullptr;
+  std::vector<LineInRock> lines = {};
 };
+/// What is kept of realization `k`.
+[[nodiscard]] stochastic::Record record_of(std::uint64_t k, const Realization& made, const Shared& shared);
 [[nodiscard]] Shared shared_by_realizations(const Scene& scene, unsigned threads = 1);
 
 /// Realizations `first` .. `first + count - 1`, all of one geometry, which is cut once.

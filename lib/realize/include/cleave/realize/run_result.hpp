@@ -138,7 +138,7 @@ struct CaseSupport {
 
 /// What became of a group in doubt when its blocks and those around it were let go as rigid blocks in motion.
 enum class LetGo : std::uint8_t {
-  stayed,    ///< none of its blocks moved by a millimetre XX
+  stayed,    ///< none of its blocks moved by a millimetre
   moved,     ///< one did
   stopped,   ///< the contact law could not be solved
   not_tried  ///< more blocks than are let go, or loads that blocks in motion do not have

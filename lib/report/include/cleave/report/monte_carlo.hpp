@@ -26,6 +26,8 @@ struct MonteCarloPage : scene::ResultHead {
 /// summary.json with its section `monte_carlo`. That section is the same for any number of threads, shards and
 /// interruptions.
 [[nodiscard]] std::string monte_carlo_json(const MonteCarloPage& page);
+/// block_sizes.csv; empty where sizes were not counted.
+[[nodiscard]] std::string block_sizes_csv(const MonteCarloPage& page);
 [[nodiscard]] std::string monte_carlo_html(const MonteCarloPage& page);
 
 }  // namespace cleave::report

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
 #include <string>
 
 #include "cleave/core/fields.hpp"
@@ -26,6 +29,75 @@ void fields(V& v, const SizePoint& x) {
   v("volume_m3", x.volume_m3);
   v("share_below", x.share);
   v("standard_error", x.standard_error);
+}
+template <class V>
+void fields(V& v, const SizeShare& x) {
+  v("volume_m3", x.volume);
+  v("by_number", x.by_number, "share of the blocks below that volume");
+  v("by_number_low", x.by_number_interval.low);
+  v("by_number_high", x.by_number_interval.high);
+  v("by_volume", x.by_volume, "share of their volume in blocks below it (passing)");
+  v("by_volume_low", x.by_volume_interval.low);
+  v("by_volume_high", x.by_volume_interval.high);
+}
+template <class V>
+void fields(V& v, const SizeLevel& x) {
+  v("p", x.p);
+  v("volume_m3", x.volume_m3, "below which that share lies");
+  v("low", OrNull<double>{x.low}, "null: no volume below which the share would be too small");
+  v("high", OrNull<double>{x.high}, "null: too few blocks for an upper end");
+}
+/// A length with the cubes that its percentile has.
+template <class V>
+void cube_root_fields(V& v, const BlockSizeFigures& x, double p) {
+  const auto found = std::ranges::find(x.by_volume, p, &SizeLevel::p);
+  const SizeLevel level = found == x.by_volume.end() ? SizeLevel{} : *found;
+  const auto root = [](const std::optional<double>& volume) {
+    return OrNull<double>{volume ? std::optional{std::cbrt(*volume)} : std::nullopt};
+  };
+  v("mean", std::cbrt(level.volume_m3));
+  v("low", root(level.low));
+  v("high", root(level.high));
+}
+template <class V>
+void fields(V& v, const BlockSizeFigures& x) {
+  const auto mean = [](const Estimate& e) { return group([&e](auto& w) { mean_fields(w, e); }); };
+  v("blocks", x.blocks, "of all realizations, that touch no fixed side of the domain");
+  v("corrected", x.corrected,
+    "each counts as often as blocks of its extents are cut by the domain's sides for one that is not; false: the "
+    "domain is no box, or has openings or free sides: large blocks are then too rare");
+  v("mean_volume_m3", mean(x.mean_volume));
+  v("met_share", mean(x.met_share), "of the rock's volume, that of these blocks");
+  v("shares", by_name(x.shapes, &Estimate::name, [](auto& w, const Estimate& e) { mean_fields(w, e); }),
+    "of their number, by Zingg's classes");
+  v("by_number", x.by_number, "volumes below which a share of the blocks lies");
+  v("by_volume", x.by_volume, "volumes below which a share of their volume lies (in-situ block size distribution)");
+  v("d50_m", group([&x](auto& w) { cube_root_fields(w, x, 0.5); }), "cube root of by_volume at 0.5");
+  v("d80_m", group([&x](auto& w) { cube_root_fields(w, x, 0.8); }), "cube root of by_volume at 0.8");
+  v("curve", x.curve);
+}
+template <class V>
+void fields(V& v, const SetEstimates& x) {
+  const auto mean = [](const Estimate& e) { return group([&e](auto& w) { mean_fields(w, e); }); };
+  v("name", x.name);
+  v("joints", mean(x.joints), "that meet the box around the domain");
+  v("p32", mean(x.p32), "1/m, area of joints in that box over its volume");
+  v("p10", mean(x.p10), "1/m, joints along their mean normal, mean over all lines that way");
+  v("p21", mean(x.p21), "1/m, length of traces on level planes, mean over all of them");
+}
+template <class V>
+void fields(V& v, const LineEstimates& x) {
+  const auto mean = [](const Estimate& e) {
+    return group([&e](auto& w) {
+      mean_fields(w, e);
+      w("std", e.std, "of one line: between realizations");
+      w("smallest", e.smallest);
+      w("largest", e.largest);
+    });
+  };
+  v("name", x.name);
+  v("frequency_per_m", mean(x.frequency), "joints crossed over metres of rock");
+  v("rqd", mean(x.rqd), "%, share of the line in pieces of 0.1 m and more");
 }
 template <class V>
 void fields(V& v, const FactorPoint& x) {
@@ -166,6 +238,11 @@ void fields(V& v, const MonteCarloPage& x) {
                                    }),
                            "by quantity");
                        })));
+      w("sets", when_any(f.sets), "realized amounts of the joint sets, mean over realizations");
+      w("jv", when(f.jv.has_value(), group([&](auto& q) { mean_fields(q, f.jv.value_or(stochastic::Estimate{})); })),
+        "1/m, volumetric joint count: p10 of the sets, added (Palmstrom 1982)");
+      w("lines", when_any(f.lines), "scanlines, mean over realizations");
+      w("block_sizes", f.block_sizes, "where all blocks are cut");
       w("size_distribution", f.sizes);
       w("first_batch_size_distribution", f.first_sizes);
       w("running", group([&](auto& r) {

@@ -228,6 +228,12 @@ struct MicroBlocks {
   std::optional<Volume> volume;
 };
 
+/// [[scanline]]: a line or borehole through the rock whose joints are counted.
+struct ScanLine {
+  std::string name;
+  std::vector<geometry::Vec3> points;  ///< a polyline with a length above 0
+};
+
 /// [monte_carlo]: many realizations instead of one run.
 struct MonteCarloSettings {
   std::uint64_t realizations = 0;                   ///< fixed number, or the largest one of `stop`
@@ -303,6 +309,7 @@ struct SceneContent {
   std::vector<RandomSet> joint_sets;  ///< in scene order; their joints follow
   Rock rock;
   std::vector<Excavation> excavations;  ///< in scene order
+  std::vector<ScanLine> lines = {};     ///< in scene order
   std::optional<SupportSettings> support;
   std::optional<StabilitySettings> stability;  ///< empty: the scene has no [stability] and no free face
   std::optional<FieldStressSettings> field_stress;

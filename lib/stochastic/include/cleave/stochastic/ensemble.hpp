@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -89,6 +90,43 @@ struct SizePoint {
   double volume_m3 = 0, share = 0, standard_error = 0;
 };
 
+/// One point of the size distribution of the rock's blocks: shares of their number and of their volume in blocks below
+/// a volume.
+struct SizeShare {
+  Volume volume = {};
+  double by_number = 0, by_volume = 0;
+  Interval by_number_interval = {}, by_volume_interval = {};  ///< of the effective number of blocks, as of all shares
+};
+/// Volume below which the share p of the blocks lies; ends where the curve's interval reaches p (Woodruff 1952), empty
+/// where it does not.
+struct SizeLevel {
+  double p = 0.5, volume_m3 = 0;
+  std::optional<double> low = {}, high = {};
+};
+/// Sizes of the blocks that touch no fixed side of the domain, over all realizations.
+struct BlockSizeFigures {
+  std::uint64_t blocks = 0;  ///< counted
+  /// Each block counts as often as blocks of its extents are cut by the domain's sides for one that is not.
+  bool corrected = false;
+  Estimate mean_volume = {};              ///< m3, ratio of sums
+  Estimate met_share = {};                ///< of the rock's volume, that of the blocks counted
+  std::array<Estimate, 4> shapes = {};    ///< shares of shape_class_names
+  std::vector<SizeLevel> by_number = {};  ///< at EnsembleOptions::size_levels
+  std::vector<SizeLevel> by_volume = {};
+  std::vector<SizeShare> curve = {};
+};
+/// How much of a joint set is in the box around the domain, over realizations.
+struct SetEstimates {
+  std::string name;
+  Estimate joints, p32, p10, p21;
+};
+
+/// A scanline over realizations.
+struct LineEstimates {
+  std::string name;
+  Estimate frequency, rqd;
+};
+
 /// One point of the distribution of factors of safety, of the blocks that would move without friction.
 struct FactorPoint {
   double factor = 0;
@@ -128,6 +166,10 @@ struct Figures {
   std::uint64_t strengths_per_geometry = 1;
   std::vector<VarianceShare> variances;  ///< of a nested design
   std::vector<SizePoint> sizes, first_sizes;
+  std::vector<SetEstimates> sets = {};               ///< those that had joints
+  std::vector<LineEstimates> lines = {};             ///< those that lie in rock
+  std::optional<Estimate> jv = {};                   ///< sum of p10 over the sets
+  std::optional<BlockSizeFigures> block_sizes = {};  ///< where all blocks were cut and some are whole
   std::string running_quantity;
   std::vector<RunningPoint> running;
   std::vector<Extreme> worst, best;   ///< by key-block volume, at most 5 each
@@ -154,15 +196,54 @@ struct EnsembleOptions {
   std::vector<double> volumes_m3;
   std::optional<double> tunnel_length_m;
   std::uint32_t chainage_parts = 0;
-  std::uint64_t seed = 1;  ///< of the bootstrap
-  bool support = false;    ///< a support design was checked
-  bool groups = false;     ///< blocks were judged together
-  bool clamped = false;    ///< stress across joints was looked at
-  std::size_t orders = 0;  ///< of excavation stages
+  std::uint64_t seed = 1;                ///< of the bootstrap
+  bool support = false;                  ///< a support design was checked
+  bool groups = false;                   ///< blocks were judged together
+  bool clamped = false;                  ///< stress across joints was looked at
+  std::size_t orders = 0;                ///< of excavation stages
+  std::vector<std::string> sets = {};    ///< names of the joint sets, in the order of the records
+  std::vector<std::string> lines = {};   ///< names of the scanlines, in the order of the records
+  std::vector<double> size_levels = {};  ///< shares at which block sizes are given
+  bool undisturbed = false;              ///< blocks count by their weights: see Questions::undisturbed
   /// Nested design: so many realizations in a row have the same joints, each its own strengths and loads. Then the
   /// sample unit is the geometry: means over its realizations enter every estimate.
   std::uint64_t strengths_per_geometry = 1;
   std::string running_quantity = "key_block_volume_m3";
+};
+
+/// Sums of block sizes and of amounts of joints, for Ensemble.
+class BlockSizeSums final {
+ public:
+  BlockSizeSums(std::size_t sets, std::size_t lines) : sets_(sets), lines_(lines) {}
+  /// One realization's share, which `add_unit` takes in the same order from `next` on, summed over `realizations`.
+  void add_numbers(const Record& record, std::vector<double>& numbers) const;
+  void add_unit(std::span<const double> sums, std::size_t& next, double realizations);
+
+ private:
+  friend class Ensemble;
+  struct Summed {
+    Moments moments;
+    Tail tail;
+    void add(double x) {
+      moments.add(x);
+      tail.add(x);
+    }
+  };
+  struct OfSet {
+    Summed joints, p32, p10, p21;
+  };
+  double blocks_ = 0;
+  PairMoments met_, mean_volume_;
+  Tail mean_volume_tail_;
+  std::array<PairMoments, 4> shapes_;
+  std::array<PairMoments, SizeHistogram::bins> number_below_, volume_below_;  // below the upper end of bin i
+  struct OfLine {
+    Summed frequency, rqd;
+    bool met = false;  // lies in the rock
+  };
+  std::vector<OfSet> sets_;
+  std::vector<OfLine> lines_;
+  Summed all_sets_;
 };
 
 /// Reduces records, one after the other in the order of their realizations, to figures with their errors. Realizations
@@ -197,11 +278,14 @@ class Ensemble final {
   void add_unit(const std::vector<double>& sums);
   void add_extremes(const Record& record);
   [[nodiscard]] Estimate estimate(std::string name, const Moments& moments, const Tail& tail, Method method) const;
-  [[nodiscard]] Interval share_interval(const PairMoments& pair) const;
+  /// `most`: independent trials that there can be at most.
+  [[nodiscard]] Interval share_interval(const PairMoments& pair, double most) const;
   [[nodiscard]] Estimate ratio_estimate(std::string name, const PairMoments& pair, const Tail& tail, bool share) const;
   [[nodiscard]] double probability_of(const Moments& hits) const;
   [[nodiscard]] Interval probability_interval(const Moments& hits) const;
+  [[nodiscard]] Interval volume_share_interval(const PairMoments& pair, double most) const;
   void add_orders(Figures& figures) const;
+  void add_block_sizes(Figures& figures) const;
   void add_variances(Figures& figures) const;
   void add_estimates(Figures& figures) const;
   void add_quantiles(Figures& figures) const;
@@ -230,6 +314,7 @@ class Ensemble final {
     Tail count_tail, volume_tail;
   };
   std::vector<OrderMoments> orders_;
+  BlockSizeSums block_sizes_;
   // Of the geometry at work: sums over its realizations, moments of the quantities, how many are there.
   std::vector<double> sums_;
   std::vector<Moments> within_;

@@ -15,6 +15,7 @@
 
 #include "cleave/core/quantity.hpp"
 #include "cleave/core/version.hpp"
+#include "cleave/geometry/polygon.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/stability/result.hpp"
 #include "cleave/topology/block_complex.hpp"
@@ -44,6 +45,7 @@ class SizeHistogram final {
   static constexpr std::size_t bins = 112;
   static constexpr double lowest_exponent = -6, per_decade = 8;
   void add(double volume) noexcept;
+  [[nodiscard]] static std::size_t bin_of(double volume) noexcept;
   [[nodiscard]] const std::array<std::uint32_t, bins>& counts() const noexcept { return counts_; }
   void set(std::size_t bin, std::uint32_t count) { counts_[bin] = count; }
   /// Lower end of a bin, m3.
@@ -114,6 +116,37 @@ struct HeldByBorder {
   friend bool operator==(const HeldByBorder&, const HeldByBorder&) = default;
 };
 
+/// Whole blocks of one bin of SizeHistogram. A block counts as often as its weight says.
+struct SizeBin {
+  std::uint32_t bin = 0;
+  float number = 0, volume_m3 = 0;
+  friend bool operator==(const SizeBin&, const SizeBin&) = default;
+};
+/// Blocks that touch no fixed side of the domain: the sizes of the rock's blocks.
+struct WholeBlocks {
+  std::uint64_t count = 0;         ///< blocks, without weights
+  Volume volume = {};              ///< theirs, without weights
+  std::array<double, 4> shapes{};  ///< by weight, in the order of shape_class_names
+  std::vector<SizeBin> bins;       ///< those that hold a block, in order
+  friend bool operator==(const WholeBlocks&, const WholeBlocks&) = default;
+};
+inline constexpr std::array<std::string_view, 4> shape_class_names{"cubic", "platy", "elongated", "bladed"};
+
+/// How much of one joint set lies in the box around the domain.
+struct SetTally {
+  std::uint64_t joints = 0;  ///< that meet it
+  double p32 = 0, p10 = 0, p21 = 0;
+  friend bool operator==(const SetTally&, const SetTally&) = default;
+};
+
+/// What the joints cut one scanline into.
+struct LineTally {
+  std::uint64_t joints = 0;
+  Length length = {};  ///< in the rock
+  double rqd = 0;      ///< %
+  friend bool operator==(const LineTally&, const LineTally&) = default;
+};
+
 /// One order of the excavation stages: what leaves when it is followed.
 struct OrderTally {
   std::uint64_t key_blocks = 0;
@@ -151,6 +184,9 @@ struct Record {
   std::optional<Grouped> groups;       ///< of a scene with groups = "decide"
   std::optional<Clamped> clamped;      ///< of a scene with [field_stress]
   std::optional<HeldByBorder> border;  ///< of a scene with the stability stage
+  std::optional<WholeBlocks> whole;    ///< where all blocks are cut
+  std::vector<SetTally> sets;          ///< in the order of the scene's sets
+  std::vector<LineTally> lines;        ///< in the order of the scene's lines
   std::vector<OrderTally> orders;      ///< of a scene with [sequence]: its own order first, then those to compare
   friend bool operator==(const Record&, const Record&) = default;
 };
@@ -233,6 +269,9 @@ struct Questions {
   std::uint32_t chainage_parts = 0;  ///< equal parts of the axis
   bool groups = false;               ///< blocks judged together decide
   bool clamped = false;              ///< stress across joints is looked at
+  bool whole = false;                ///< all blocks are cut: their sizes are counted
+  /// The domain where it is a box of rock without openings and free sides.
+  std::optional<geometry::Box> undisturbed = {};
 };
 
 /// Length of a polyline, m.

@@ -309,4 +309,21 @@ struct ParallelogramChords {
 };
 [[nodiscard]] ParallelogramChords parallelogram_chords(double p, double q, double angle_p, double angle_q);
 
+// Joints along scanlines and boreholes.
+
+/// N joints on a length L: N/L with the exact Poisson interval (Garwood 1936). Unbiased for every L.
+[[nodiscard]] Estimate frequency(std::size_t joints, double length, double confidence = 0.95);
+/// Rock quality designation, %: 100 (1 + lambda t) e^-(lambda t) (Priest & Hudson 1976), and measured: the share of the
+/// line in pieces of t and more, those at its ends included.
+[[nodiscard]] double rqd_of_frequency(double frequency, double threshold = 0.1);
+[[nodiscard]] double rqd_measured(std::span<const double> pieces, double length, double threshold = 0.1);
+/// Both with intervals. Measured: a share made of independent pieces (beta law of the variance that the delta method
+/// gives, with half a piece more; few short pieces: a gamma law); covers 94 to 98 % of Poisson lines, 99 % where less
+/// than one short piece is expected. From the frequency: by its exact interval (RQD falls with it).
+[[nodiscard]] Estimate rqd(std::span<const double> pieces, double length, double confidence = 0.95);
+[[nodiscard]] Estimate rqd(const Estimate& frequency);
+
+/// What the joints at these positions cut a line of this length into, from end to end.
+[[nodiscard]] std::vector<double> pieces_of(std::vector<double> positions, double length);
+
 }  // namespace cleave::survey
