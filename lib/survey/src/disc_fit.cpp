@@ -1,10 +1,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
+#include "cleave/core/rng.hpp"
 #include "cleave/core/special.hpp"
 #include "cleave/survey/traces.hpp"
+#include "disc_fit.hpp"
 #include "maximum_likelihood.hpp"
 
 /// Trace lengths of discs. With D = l cosh t the density, the probability of more than l and its integral are
@@ -169,11 +172,65 @@ double log_spread(const Fit& law) {
   std::unreachable();
 }
 
+constexpr double least_spread = 0.02, most_spread = 4;
 /// No maximum in between: a spread below 2 % of the size or beyond all that joints can have.
 bool at_bounds(const Fit& law) {
-  constexpr double least = 0.02, most = 4;
   const double spread = std::exp(log_spread(law));
-  return (law.family == Family::lognormal || law.family == Family::gamma) && !(spread > least && spread < most);
+  return (law.family == Family::lognormal || law.family == Family::gamma) &&
+         !(spread > least_spread && spread < most_spread);
+}
+
+/// Scale of the gamma law of shape exp(`log_shape`) that is likeliest, by golden section: E D^2/E D, which the traces
+/// tell well, is that of `best` to within a factor of 3.
+template <class Loss>
+std::array<double, 2> best_scale(double log_shape, const Fit& best, const Loss& loss) {
+  constexpr double golden = 0.6180339887498949, precise = 1e-3;
+  const double middle = std::log(best.b * (best.a + 1) / (std::exp(log_shape) + 1));
+  double low = middle - std::log(3), high = middle + std::log(3);
+  const auto at = [&](double log_scale) { return loss(std::array{log_shape, log_scale}); };
+  double left = high - golden * (high - low), right = low + golden * (high - low);
+  double at_left = at(left), at_right = at(right);
+  while (high - low > precise) {
+    if (at_left < at_right) {
+      high = std::exchange(right, left);
+      at_right = at_left;
+      left = high - golden * (high - low);
+      at_left = at(left);
+    } else {
+      low = std::exchange(left, right);
+      at_left = at_right;
+      right = low + golden * (high - low);
+      at_right = at(right);
+    }
+  }
+  return {log_shape, (low + high) / 2};
+}
+
+/// The narrowest and the widest gamma law whose loss is above that of `best` by no more than `allowed`.
+template <class Loss>
+std::array<double, 2> narrower_gamma(const std::array<double, 2>& best, const Fit& law, double allowed,
+                                     const Loss& loss) {
+  const double most = loss(best) + allowed;
+  double low = best[0], high = best[0] + 8;
+  for (int i = 0; i < 12; ++i) {
+    const double middle = (low + high) / 2;
+    (loss(best_scale(middle, law, loss)) <= most ? low : high) = middle;
+  }
+  return best_scale(low, law, loss);
+}
+template <class Loss>
+std::array<double, 2> widest_gamma(const Fit& best, double allowed, const Loss& loss) {
+  const double most = loss(std::array{std::log(best.a), std::log(best.b)}) + allowed;
+  double low = -2 * std::log(most_spread), high = std::log(best.a);
+  std::array<double, 2> widest = best_scale(low, best, loss);
+  if (loss(widest) <= most) return widest;
+  for (int i = 0; i < 10; ++i) {
+    const double middle = (low + high) / 2;
+    const std::array<double, 2> law = best_scale(middle, best, loss);
+    (loss(law) <= most ? high : low) = middle;
+    widest = law;
+  }
+  return widest;
 }
 
 /// What was seen of discs, without what is shorter than the truncation.
@@ -293,9 +350,18 @@ std::optional<Fit> fit_one_size(const Seen& seen, const Meeting& meeting) {
 }  // namespace
 
 std::optional<Fit> fit_discs(std::span<const SeenLength> all, const Meeting& meeting, Family family) {
+  const auto discs = detail::fit_discs_to_edges(all, meeting, family, 0.95);
+  return discs && !discs->at_widest ? std::optional{discs->fit} : std::nullopt;
+}
+
+std::optional<detail::DiscFit> detail::fit_discs_to_edges(std::span<const SeenLength> all, const Meeting& meeting,
+                                                          Family family, double confidence) {
   const Seen seen = seen_of(all, meeting.truncation);
   if (!(seen.ended > 0) || (family == Family::power && !(seen.high > seen.low))) return std::nullopt;
-  if (family == Family::constant) return fit_one_size(seen, meeting);
+  if (family == Family::constant) {
+    auto one = fit_one_size(seen, meeting);
+    return one ? std::optional{DiscFit{*std::move(one)}} : std::nullopt;
+  }
   const auto law = [&](std::array<double, 2> p) {
     if (detail::parameters(family) == 1) p[1] = 0;
     return detail::law_at(family, p, seen.low * (1 - 1e-12), 10 * seen.high);
@@ -305,16 +371,26 @@ std::optional<Fit> fit_discs(std::span<const SeenLength> all, const Meeting& mee
     const double l = -log_likelihood(law(p), seen, meeting) + extra - log_spread(law(p));
     return std::isfinite(l) ? l : 1e300;
   };
-  const std::array<double, 2> best = detail::minimum(detail::start_of(family, seen.sum / (0.5 * seen.ended)), loss);
-  Fit fit = law(best);
-  if (at_bounds(fit)) return std::nullopt;
-  for (const auto& p : detail::one_error_away(best, static_cast<std::size_t>(detail::parameters(family)), loss)) {
-    const Fit moved = law(p);
-    fit.moved.push_back({moved.a, moved.b});
+  std::array<double, 2> best = detail::minimum(detail::start_of(family, seen.sum / (0.5 * seen.ended)), loss);
+  DiscFit discs{law(best)};
+  Fit& fit = discs.fit;
+  if (at_bounds(fit)) {
+    if (family != Family::gamma || std::exp(log_spread(fit)) < most_spread) return std::nullopt;
+    best = best_scale(-2 * std::log(most_spread), fit, loss);
+    fit = law(best);
+    discs.at_widest = true;
+  } else if (family == Family::gamma) {
+    const double z = normal_quantile(0.5 + confidence / 2);
+    const auto [log_shape, log_scale] = widest_gamma(fit, z * z / 2, loss);
+    discs.widest = {std::exp(log_shape), std::exp(log_scale)};
   }
+  const auto moved = discs.at_widest
+                         ? std::vector{narrower_gamma(best, fit, 0.5, loss)}
+                         : detail::one_error_away(best, static_cast<std::size_t>(detail::parameters(family)), loss);
+  for (const auto& p : moved) fit.moved.push_back({law(p).a, law(p).b});
   fit.log_likelihood = log_likelihood(fit, seen, meeting);
   fit.aic = 2 * detail::parameters(family) - 2 * fit.log_likelihood;
-  return fit;
+  return discs;
 }
 
 }  // namespace cleave::survey

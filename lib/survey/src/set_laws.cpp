@@ -9,6 +9,7 @@
 
 #include "cleave/core/rng.hpp"
 #include "cleave/core/special.hpp"
+#include "disc_fit.hpp"
 
 namespace cleave::survey::detail {
 
@@ -106,27 +107,48 @@ FittedSize sizes_by_moments(const FittedLaw& law, const Chords& chords, const Me
   return size;
 }
 
+/// As `estimate_of`, down to the widest law that is allowed.
+Estimate estimate_to_edge(const DiscFit& discs, std::string name,
+                          const std::function<std::optional<double>(const Fit&)>& figure, double confidence) {
+  Estimate e = estimate_of(discs.fit, std::move(name), figure, confidence);
+  if (!discs.widest) return e;
+  Fit widest = discs.fit;
+  widest.a = (*discs.widest)[0];
+  widest.b = (*discs.widest)[1];
+  if (const auto value = figure(widest); value && *value > 0) {
+    e.low = std::min(e.low, *value);
+    e.high = std::max(e.high, *value);
+  }
+  return e;
+}
+
 /// Round joints by the likelihood of their traces, rectangles by moments.
-void fit_sizes(SetResult& set, const std::vector<SeenLength>& lengths, const Meeting& meeting, double confidence) {
+///
+/// Gives the gamma law at its widest where the likelihood rises up to there: it is no law to take, but an interval has
+/// to reach it.
+std::vector<FittedSize> fit_sizes(SetResult& set, const std::vector<SeenLength>& lengths, const Meeting& meeting,
+                                  double confidence) {
+  std::vector<FittedSize> edges;
   if (!set.chords.disc) {
     for (const FittedLaw& law : set.lengths) {
       if (law.sizes) set.sizes.push_back(sizes_by_moments(law, set.chords, meeting, confidence));
     }
-    return;
+    return edges;
   }
   std::string left_out;
   for (const Family family : {Family::exponential, Family::lognormal, Family::gamma, Family::power, Family::constant}) {
-    const auto fit = fit_discs(lengths, meeting, family);
-    if (!fit && (family == Family::lognormal || family == Family::gamma)) {
+    const auto discs = fit_discs_to_edges(lengths, meeting, family, confidence);
+    const Fit* const fit = discs ? &discs->fit : nullptr;
+    if ((!discs || discs->at_widest) && (family == Family::lognormal || family == Family::gamma)) {
       left_out += (left_out.empty() ? "" : " and ") + std::string{name_of(family)};
     }
     if (!fit) continue;
     const double scale = 1 / *set.chords.disc;
     SizeOfJoints law = size_of(*fit);
     for (double* length : {&law.mean, &law.std, &law.min, &law.max}) *length *= scale;
-    const Estimate mean = estimate_of(*fit, "mean size", [](const Fit& f) { return f.moment(1); }, confidence);
+    const Estimate mean = estimate_to_edge(*discs, "mean size", [](const Fit& f) { return f.moment(1); }, confidence);
     Estimate spread =
-        estimate_of(*fit, "standard deviation of the sizes", [](const Fit& f) { return std_of(f); }, confidence);
+        estimate_to_edge(*discs, "standard deviation of the sizes", [](const Fit& f) { return std_of(f); }, confidence);
     if (family == Family::constant) {
       spread.high = fit->max;
       spread.method = "one size; the largest spread that the traces allow";
@@ -141,13 +163,13 @@ void fit_sizes(SetResult& set, const std::vector<SeenLength>& lengths, const Mee
     if (family == Family::power) {
       size.exponent = estimate_of(*fit, "exponent", [](const Fit& f) { return f.a; }, confidence);
     }
-    size.offered = estimate_of(
-        *fit, "offered",
+    size.offered = estimate_to_edge(
+        *discs, "offered",
         [&](const Fit& f) {
           return offered(meeting, disc_chance(f, meeting), scale * f.moment(1), scale * scale * f.moment(2));
         },
         confidence);
-    set.sizes.push_back(std::move(size));
+    (discs->at_widest ? edges : set.sizes).push_back(std::move(size));
   }
   std::ranges::stable_sort(set.sizes, {}, &FittedSize::aic);
   if (!set.sizes.empty() && set.sizes.front().law.family == Family::constant) {
@@ -161,34 +183,42 @@ void fit_sizes(SetResult& set, const std::vector<SeenLength>& lengths, const Mee
         " left out: the likelihood of the traces has no maximum between nearly equal sizes and a spread of four means");
   }
   undecided(set, "size", [](const FittedSize& l) { return std::pair{l.law.family, l.aic}; }, set.sizes);
+  return edges;
 }
 
 /// Interval of a figure over laws of which none is certain: the tails of all, weighted by exp(-AIC/2), hold together
 /// what one law's would (Turek & Fletcher 2012), on the logarithm.
-void average(Estimate& taken, const std::vector<FittedSize>& laws, const std::function<Estimate(const FittedSize&)>& of,
-             double confidence) {
+void average(Estimate& taken, const std::vector<FittedSize>& laws, const std::vector<FittedSize>& edges,
+             const std::function<Estimate(const FittedSize&)>& of, double confidence) {
   struct Law {
-    double weight, middle, error;
+    double weight, middle, below, above;  // errors to either side
   };
   const double z = normal_quantile(0.5 + confidence / 2);
   std::vector<Law> known;
-  for (const FittedSize& law : laws) {
+  const auto add = [&](const FittedSize& law) {
     const Estimate e = of(law);
-    if (!e.value || !(*e.value > 0) || !(e.high > *e.value) || !std::isfinite(e.high)) continue;
-    known.push_back({std::exp((laws.front().aic - law.aic) / 2), std::log(*e.value), std::log(e.high / *e.value) / z});
-  }
+    if (!e.value || !(*e.value > 0) || !(e.high > *e.value) || !std::isfinite(e.high)) return;
+    const double above = std::log(e.high / *e.value) / z;
+    const double below = e.low > 0 && e.low < *e.value ? std::log(*e.value / e.low) / z : above;
+    known.push_back({std::exp((laws.front().aic - law.aic) / 2), std::log(*e.value), below, above});
+  };
+  std::ranges::for_each(laws, add);
+  std::ranges::for_each(edges, add);
   if (known.size() < 2) return;
   const auto end = [&](double level) {
     double low = INFINITY, high = -INFINITY, sum = 0;
     for (const Law& law : known) {
-      low = std::min(low, law.middle - 10 * law.error);
-      high = std::max(high, law.middle + 10 * law.error);
+      low = std::min(low, law.middle - 10 * law.below);
+      high = std::max(high, law.middle + 10 * law.above);
       sum += law.weight;
     }
     for (int i = 0; i < 100; ++i) {
       const double middle = (low + high) / 2;
       double below = 0;
-      for (const Law& law : known) below += law.weight / sum * special::normal_cdf((middle - law.middle) / law.error);
+      for (const Law& law : known) {
+        const double off = middle - law.middle;
+        below += law.weight / sum * special::normal_cdf(off / (off < 0 ? law.below : law.above));
+      }
       (below < level ? low : high) = middle;
     }
     return std::exp(low);
@@ -200,11 +230,11 @@ void average(Estimate& taken, const std::vector<FittedSize>& laws, const std::fu
 
 /// One size has no spread to be averaged: where it is taken, the largest that it or a law nearly as good allows; where
 /// it is nearly as good as the one that is taken, there may be none.
-void average_spread(SetResult& set, double confidence) {
+void average_spread(SetResult& set, const std::vector<FittedSize>& edges, double confidence) {
   constexpr double close = 6;
   const double best = set.sizes.front().aic;
   if (set.sizes.front().law.family != Family::constant) {
-    average(*set.size_std, set.sizes, [](const FittedSize& law) { return law.std; }, confidence);
+    average(*set.size_std, set.sizes, edges, [](const FittedSize& law) { return law.std; }, confidence);
   }
   for (const FittedSize& law : set.sizes) {
     if (law.aic > best + close) continue;
@@ -214,11 +244,11 @@ void average_spread(SetResult& set, double confidence) {
   }
 }
 
-void average_over_laws(SetResult& set, double confidence) {
-  average(*set.size_mean, set.sizes, [](const FittedSize& law) { return law.mean; }, confidence);
-  average_spread(set, confidence);
+void average_over_laws(SetResult& set, const std::vector<FittedSize>& edges, double confidence) {
+  average(*set.size_mean, set.sizes, edges, [](const FittedSize& law) { return law.mean; }, confidence);
+  average_spread(set, edges, confidence);
   set.offered = set.sizes.front().offered;
-  average(*set.offered, set.sizes, [](const FittedSize& law) { return law.offered; }, confidence);
+  average(*set.offered, set.sizes, edges, [](const FittedSize& law) { return law.offered; }, confidence);
 }
 
 }  // namespace
@@ -243,7 +273,7 @@ void fit_laws(SetResult& set, const std::vector<SeenLength>& lengths, const Meet
   std::ranges::stable_sort(set.lengths, {}, [](const FittedLaw& l) { return l.fit.aic; });
   if (set.lengths.empty()) return;
   undecided(set, "trace length", [](const FittedLaw& l) { return std::pair{l.fit.family, l.fit.aic}; }, set.lengths);
-  fit_sizes(set, lengths, meeting, confidence);
+  const std::vector<FittedSize> edges = fit_sizes(set, lengths, meeting, confidence);
   const Fit& best = set.lengths.front().fit;
   const auto moment = [&](int order) {
     return estimate_of(
@@ -268,7 +298,7 @@ void fit_laws(SetResult& set, const std::vector<SeenLength>& lengths, const Meet
     set.size = set.sizes.front().law;
     set.size_mean = set.sizes.front().mean;
     set.size_std = set.sizes.front().std;
-    average_over_laws(set, confidence);
+    average_over_laws(set, edges, confidence);
   } else if (mean && mean->value) {
     set.notes.emplace_back("the exponential law of sizes with the same mean trace is taken");
     set.size = size_law(Family::exponential, *mean->value, 0, set.chords);
