@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "cleave/geometry/tunnel.hpp"
 #include "cleave/stochastic/record.hpp"
 
 namespace cleave::scene {
@@ -19,14 +20,15 @@ void sort_and_drop_repeated(auto& values) {
   values.erase(repeated.begin(), repeated.end());
 }
 
-/// Direction of the part of a polyline that holds this chainage.
-Vec3 direction_at(const std::vector<Vec3>& axis, double chainage) {
+/// Frame of the section where the axis has this chainage.
+geometry::SectionFrame frame_at(const TunnelLine& tunnel, double chainage) {
+  const std::vector<Vec3>& axis = tunnel.axis;
   std::size_t i = 0;
   for (double left = chainage; i + 2 < axis.size(); ++i) {
     left -= geometry::norm(axis[i + 1] - axis[i]);
     if (left <= 0) break;
   }
-  return geometry::normalized(axis[i + 1] - axis[i]);
+  return geometry::section_frames(axis, tunnel.up)[i];
 }
 
 double distance_to_segment(Vec3 p, Vec3 a, Vec3 b) {
@@ -142,8 +144,7 @@ BlockPlace place_of(const RunResult& result, const topology::BlockComplex& compl
   place.location = result.excavations[widest->first].wall;
   if (!tunnel || tunnel->axis.size() < 2) return place;
   place.chainage = stochastic::chainage_of(tunnel->axis, place.centroid);
-  const Vec3 axis = direction_at(tunnel->axis, *place.chainage);
-  const Vec3 right = geometry::normalized(cross(axis, tunnel->up)), up = cross(right, axis);
+  const auto [axis, right, up] = frame_at(*tunnel, *place.chainage);
   const Vec3 away = -widest->second.towards;
   const double across = std::hypot(dot(away, right), dot(away, up));
   if (!(across > std::abs(dot(away, axis)))) return place;
