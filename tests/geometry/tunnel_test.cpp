@@ -188,6 +188,54 @@ TEST(TunnelTest, BendsAreMitred) {
   EXPECT_NEAR(curved.volume().si(), (18 + arc_area(6, 3, 16)) * 20 * chord, 1e-6);
 }
 
+TEST(TunnelTest, ADeclineThatWindsKeepsItsFloorLevelAcross) {
+  // One turn of a helix at 8 degrees, in 36 chords. Carried along from bend to bend the section would roll by
+  // 36 times the turn at a bend, about 2 pi sin 8 degrees = 50 degrees.
+  std::vector<Vec3> helix;
+  for (int i = 0; i <= 36; ++i) {
+    const double t = i * pi / 18;
+    helix.push_back({20 * std::cos(t), 20 * std::sin(t), -20 * t * std::tan(8 * pi / 180)});
+  }
+  const auto ramp = make_tunnel(RectangleSection{metres(5), metres(4)}, helix);
+  ASSERT_TRUE(ramp.has_value()) << describe(ramp.error());
+  const double chord = norm(helix[1] - helix[0]);
+  EXPECT_NEAR(ramp->volume().si() / (20 * 36 * chord), 1, 1e-3);
+  std::size_t straight = 0, beside_bends = 0;
+  for (const SolidFace& f : ramp->faces()) {
+    if (f.tag > 2) continue;
+    const bool quad = f.corners.size() == 4;  // of the true section; triangles take up the turn beside the bends
+    ++(quad ? straight : beside_bends);
+    const Vec3 a = ramp->vertices()[f.corners[0]], b = ramp->vertices()[f.corners[1]],
+               c = ramp->vertices()[f.corners[2]];
+    const Vec3 out = normalized(cross(b - a, c - a));
+    const double upright =
+        f.tag == 0 ? 0 : (f.tag == 1 ? -1 : 1) * std::sqrt(1 - std::pow((helix[0] - helix[1]).z / chord, 2));
+    EXPECT_NEAR(out.z, upright, quad ? 1e-7 : 0.06);
+  }
+  EXPECT_EQ(straight, 36U * 4);
+  EXPECT_EQ(beside_bends, 35U * 2 * 4 * 2);
+  // a level bend turns nothing
+  const auto plan = make_tunnel(RectangleSection{metres(5), metres(4)}, {{0, 0, 0}, {9, 0, 0}, {9, 9, 0}});
+  ASSERT_TRUE(plan.has_value());
+  EXPECT_EQ(plan->faces().size(), 10U);
+}
+
+TEST(TunnelTest, SegmentsAlongUpKeepTheSectionOfTheOneBefore) {
+  const auto frames = section_frames({{0, 0, 0}, {0, 9, 0}, {0, 9, 9}, {0, 18, 9}, {0, 27, 18}}, {0, 0, 2});
+  ASSERT_EQ(frames.size(), 4U);
+  for (const SectionFrame& f : frames) {
+    EXPECT_NEAR(norm(f.right - Vec3{1, 0, 0}), 0, 1e-15);
+    EXPECT_NEAR(norm(f.up - cross(f.right, f.along)), 0, 1e-15);
+  }
+  EXPECT_NEAR(norm(frames[1].up - Vec3{0, -1, 0}), 0, 1e-15);
+  const Section square = RectangleSection{metres(4), metres(4)};
+  const auto drop = make_tunnel(square, {{0, 0, 0}, {0, 9, 0}, {0, 9, 9}, {0, 18, 9}});
+  ASSERT_TRUE(drop.has_value()) << describe(drop.error());
+  EXPECT_NEAR(drop->volume().si(), 16 * 27, 1e-6);
+  // out of a shaft to the side the section would turn by a right angle
+  EXPECT_TRUE(refused_as<SectionTurns>(square, {{0, 0, 0}, {0, 9, 0}, {0, 9, 9}, {9, 9, 9}}));
+}
+
 TEST(TunnelTest, PointsOnAStraightAxisAddNothing) {
   const auto plain = make_tunnel(CircleSection{metres(4)}, north).value();
   const auto dotted =

@@ -269,31 +269,31 @@ TEST(PressureDiagram, HasARowForEveryPlaceThatABlockCanBeAt) {
   }
 }
 
-TEST(SectionAxes, ShaftsHaveTheirWallsByTheCompass) {
+TEST(Places, ShaftsHaveTheirWallsByTheCompass) {
   using geometry::Vec3;
-  // Along a tunnel to the north, east lies to the right; to the south, to the left; a decline of 69 degrees is one yet.
-  const SectionAxes north{{0, 3, 0}, {0, 0, 1}}, south{{0, -3, 0}, {0, 0, 1}};
-  EXPECT_EQ(north.location_of({2, 0, 1}), "right wall");
-  EXPECT_EQ(south.location_of({2, 0, 1}), "left wall");
-  EXPECT_EQ(north.location_of({0, 0, -1}), "floor");
-  EXPECT_EQ(north.position_of({-1, 0, 1}), "upper left");
-  EXPECT_DOUBLE_EQ(north.clock_of({1, 0, 0}), 3);
-  const auto plunging = [](double degrees) {
+  const auto along = [](Vec3 axis, Vec3 up) { return geometry::section_frames({Vec3{}, axis}, up).front(); };
+  // Along a tunnel to the north, east lies to the right; to the south, to the left.
+  const auto north = along({0, 3, 0}, {0, 0, 1}), south = along({0, -3, 0}, {0, 0, 1});
+  EXPECT_EQ(location_of(north, {2, 0, 1}), "right wall");
+  EXPECT_EQ(location_of(south, {2, 0, 1}), "left wall");
+  EXPECT_EQ(location_of(north, {0, 0, -1}), "floor");
+  EXPECT_EQ(position_of(north, {-1, 0, 1}), "upper left");
+  EXPECT_DOUBLE_EQ(clock_of(north, {1, 0, 0}), 3);
+  const auto plunging = [&](double degrees) {
     const double plunge = degrees * std::numbers::pi / 180;
-    return SectionAxes{{0, std::cos(plunge), -std::sin(plunge)}, {0, 0, 1}};
+    return along({0, std::cos(plunge), -std::sin(plunge)}, {0, 0, 1});
   };
-  EXPECT_FALSE(plunging(69).at_shaft());
-  EXPECT_EQ(plunging(69).location_of(plunging(69).up()), "roof");
+  EXPECT_FALSE(at_shaft(plunging(69)));  // a decline yet
+  EXPECT_EQ(location_of(plunging(69), plunging(69).up), "roof");
   // Whichever way is called up, and whether it goes up or down.
-  for (const SectionAxes& shaft :
-       {plunging(71), SectionAxes{{0, 0, -1}, {1, 0, 0}}, SectionAxes{{0, 0, 2}, {0, 1, 0}}}) {
-    EXPECT_TRUE(shaft.at_shaft());
-    EXPECT_EQ(shaft.location_of({0.2, 1, 0}), "north wall");
-    EXPECT_EQ(shaft.location_of({1, 0.2, 0}), "east wall");
-    EXPECT_EQ(shaft.location_of({0.2, -1, 0}), "south wall");
-    EXPECT_EQ(shaft.location_of({-1, 0.2, 0}), "west wall");
-    EXPECT_EQ(shaft.position_of({-1, -1, 0}), "southwest");
-    EXPECT_EQ(shaft.position_of({1, 0, 0}), "east");
+  for (const auto& shaft : {plunging(71), along({0, 0, -1}, {1, 0, 0}), along({0, 0, 2}, {0, 1, 0})}) {
+    EXPECT_TRUE(at_shaft(shaft));
+    EXPECT_EQ(location_of(shaft, {0.2, 1, 0}), "north wall");
+    EXPECT_EQ(location_of(shaft, {1, 0.2, 0}), "east wall");
+    EXPECT_EQ(location_of(shaft, {0.2, -1, 0}), "south wall");
+    EXPECT_EQ(location_of(shaft, {-1, 0.2, 0}), "west wall");
+    EXPECT_EQ(position_of(shaft, {-1, -1, 0}), "southwest");
+    EXPECT_EQ(position_of(shaft, {1, 0, 0}), "east");
   }
 }
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -63,11 +65,46 @@ Vec3 rounded(Vec3 p, double quantum) {
           std::nearbyint(p.z / quantum) * quantum};
 }
 
-/// The ring of corners at each point of the axis, not yet rounded.
-std::expected<std::vector<Ring>, TunnelError> sweep(const Axis& axis, const SectionOutline& outline, Vec3 right,
-                                                    Vec3 up) {
-  std::vector<Ring> rings(1);
-  for (const auto& [u, v] : outline.corners) rings[0].push_back(axis.points[0] + u * right + v * up);
+/// Turn of the section about the axis from one segment to the next, radians: what is left when the bend alone is
+/// taken away.
+double turn_between(const SectionFrame& a, const SectionFrame& b) {
+  // The reflection in the mitre plane takes a's direction to b's turned round, and right to what the bend makes of it.
+  const Vec3 mitre = normalized(a.along + b.along);
+  const Vec3 carried = a.right - 2 * dot(a.right, mitre) * mitre;
+  return std::atan2(dot(carried, b.up), dot(carried, b.right));
+}
+
+/// Turns below this are roundings: the sides stay plane.
+constexpr double no_turn = 1e-7;
+
+/// Turn at each point of the axis; 0 at its ends.
+std::expected<std::vector<double>, TunnelError> turns_of(const Axis& axis, const std::vector<SectionFrame>& frames) {
+  std::vector<double> turns(axis.points.size());
+  for (std::size_t s = 0; s + 1 < frames.size(); ++s) {
+    if (!(dot(axis.along[s], axis.along[s] + axis.along[s + 1]) > 1e-6)) {
+      return std::unexpected(BendTooSharp{axis.given[s + 1]});
+    }
+    turns[s + 1] = turn_between(frames[s], frames[s + 1]);
+    const double degrees = std::abs(turns[s + 1]) * (180 / std::numbers::pi);
+    if (!(degrees <= 45)) return std::unexpected(SectionTurns{axis.given[s + 1], degrees});
+  }
+  return turns;
+}
+
+/// Rings of corners along the axis, not yet rounded, and of the piece behind each but the first whether its ends are
+/// turned against each other.
+struct Sweep {
+  std::vector<Ring> rings;
+  std::vector<bool> twisted;
+};
+
+/// Each ring is the one before moved along to the next mitre plane.
+std::expected<Sweep, TunnelError> sweep(const Axis& axis, const SectionOutline& outline, const SectionFrame& first) {
+  Sweep out;
+  out.rings.emplace_back();
+  for (const auto& [u, v] : outline.corners) {
+    out.rings[0].push_back(axis.points[0] + u * first.right + v * first.up);
+  }
   for (std::size_t s = 0; s < axis.along.size(); ++s) {
     const Vec3 along = axis.along[s];
     const bool last = s + 1 == axis.along.size();
@@ -75,14 +112,68 @@ std::expected<std::vector<Ring>, TunnelError> sweep(const Axis& axis, const Sect
     const double lean = dot(along, mitre);
     if (!(lean > 1e-6)) return std::unexpected(BendTooSharp{axis.given[s + 1]});
     Ring next;
-    for (const Vec3& p : rings.back()) {
+    for (const Vec3& p : out.rings.back()) {
       const double way = dot(axis.points[s + 1] - p, mitre) / lean;
       if (!(way > 1e-9)) return std::unexpected(BendTooSharp{axis.given[s + 1]});
       next.push_back(p + way * along);
     }
-    rings.push_back(std::move(next));
+    out.rings.push_back(std::move(next));
+    out.twisted.push_back(false);
   }
-  return rings;
+  return out;
+}
+
+/// The section of segment s on the mitre plane at one of its ends.
+Ring ring_at(const Axis& axis, const SectionOutline& outline, const SectionFrame& frame, std::size_t s,
+             std::size_t point) {
+  const bool end = point == 0 || point == axis.along.size();
+  const Vec3 along = axis.along[s], mitre = end ? along : axis.along[point - 1] + axis.along[point];
+  Ring ring;
+  for (const auto& [u, v] : outline.corners) {
+    const Vec3 off = u * frame.right + v * frame.up;
+    ring.push_back(axis.points[point] + off - (dot(off, mitre) / dot(along, mitre)) * along);
+  }
+  return ring;
+}
+
+/// Where the section turns about the axis the ring at the bend is the mean of both segments', and the turn is taken
+/// up beside it: within half the section's reach, or a quarter of the segment where that is shorter.
+std::expected<Sweep, TunnelError> turned_sweep(const Axis& axis, const SectionOutline& outline,
+                                               const std::vector<SectionFrame>& frames,
+                                               const std::vector<double>& turns) {
+  double reach = 0;
+  for (const auto& [u, v] : outline.corners) reach = std::max(reach, std::hypot(u, v));
+  Sweep out;
+  out.rings.push_back(ring_at(axis, outline, frames[0], 0, 0));
+  const auto piece = [&](Ring ring, bool twisted) {
+    out.rings.push_back(std::move(ring));
+    out.twisted.push_back(twisted);
+  };
+  for (std::size_t s = 0; s < axis.along.size(); ++s) {
+    Ring from = ring_at(axis, outline, frames[s], s, s), to = ring_at(axis, outline, frames[s], s, s + 1);
+    double shortest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      shortest = std::min(shortest, dot(to[i] - from[i], axis.along[s]));
+    }
+    if (!(shortest > 1e-9)) return std::unexpected(BendTooSharp{axis.given[s + 1]});
+    const Vec3 room = std::min(reach / 2, shortest / 4) * axis.along[s];
+    if (std::abs(turns[s]) > no_turn) {
+      for (Vec3& p : from) p += room;
+      piece(std::move(from), true);
+    }
+    if (!(std::abs(turns[s + 1]) > no_turn)) {
+      piece(std::move(to), false);
+      continue;
+    }
+    Ring mean = ring_at(axis, outline, frames[s + 1], s + 1, s + 1);
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      mean[i] = 0.5 * (mean[i] + to[i]);
+      to[i] = to[i] - room;
+    }
+    piece(std::move(to), false);
+    piece(std::move(mean), true);
+  }
+  return out;
 }
 
 /// Corners of all rings one after the other.
@@ -101,14 +192,21 @@ std::vector<Vec3> vertices_of(const std::vector<Ring>& rings, const Axis& axis) 
   return vertices;
 }
 
-std::vector<SolidFace> faces_of(const SectionOutline& outline, std::size_t rings) {
+std::vector<SolidFace> faces_of(const SectionOutline& outline, const std::vector<bool>& twisted) {
   const auto n = static_cast<std::uint32_t>(outline.corners.size());
-  const auto segments = static_cast<std::uint32_t>(rings - 1);
+  const auto segments = static_cast<std::uint32_t>(twisted.size());
   std::vector<SolidFace> faces;
   for (std::uint32_t s = 0; s < segments; ++s) {
     for (std::uint32_t i = 0; i < n; ++i) {
       const std::uint32_t j = (i + 1) % n;
-      faces.push_back({{s * n + j, s * n + i, (s + 1) * n + i, (s + 1) * n + j}, outline.tags[i]});
+      const std::uint32_t a = s * n + j, b = s * n + i, c = (s + 1) * n + i, d = (s + 1) * n + j;
+      if (twisted[s]) {  // behind the bend along the other diagonal: what one side adds the other takes away
+        const bool behind = s > 0 && twisted[s - 1];
+        faces.push_back({{a, b, behind ? d : c}, outline.tags[i]});
+        faces.push_back({{behind ? b : a, c, d}, outline.tags[i]});
+        continue;
+      }
+      faces.push_back({{a, b, c, d}, outline.tags[i]});
     }
   }
   // The outline is counter-clockwise to somebody who looks along the axis, so it looks out of the start as it is.
@@ -123,6 +221,27 @@ std::vector<SolidFace> faces_of(const SectionOutline& outline, std::size_t rings
 
 }  // namespace
 
+std::vector<SectionFrame> section_frames(const std::vector<Vec3>& axis, Vec3 up) {
+  std::vector<SectionFrame> frames;
+  const Vec3 upwards = normalized(up);
+  for (std::size_t s = 0; s + 1 < axis.size(); ++s) {
+    const Vec3 along = normalized(axis[s + 1] - axis[s]);
+    Vec3 across = cross(along, upwards);
+    if (!(norm(across) > 1e-6)) {
+      across = Vec3{1, 0, 0};
+      if (!frames.empty()) {
+        const Vec3 mitre = along + frames.back().along;
+        const double square = dot(mitre, mitre);
+        across = frames.back().right;
+        if (square > 0) across = across - (2 * dot(across, mitre) / square) * mitre;
+      }
+    }
+    const Vec3 right = normalized(across);
+    frames.push_back({along, right, cross(right, along)});
+  }
+  return frames;
+}
+
 std::expected<Solid, TunnelError> make_tunnel(const Section& section, const std::vector<Vec3>& axis,
                                               const TunnelOptions& options) {
   CLEAVE_TRY(const SectionOutline outline, outline_of(section, options.segments));
@@ -133,10 +252,11 @@ std::expected<Solid, TunnelError> make_tunnel(const Section& section, const std:
   const Vec3 along = path.along.front();
   const Vec3 across = cross(along, wanted / length);
   if (!(norm(across) > 1e-6)) return std::unexpected(UpAlongAxis{0});
-  const Vec3 right = normalized(across);
-  const Vec3 up = cross(right, along);
-  CLEAVE_TRY(const std::vector<Ring> rings, sweep(path, outline, right, up));
-  auto solid = Solid::make(vertices_of(rings, path), faces_of(outline, rings.size()),
+  const std::vector<SectionFrame> frames = section_frames(path.points, wanted / length);
+  CLEAVE_TRY(const std::vector<double> turns, turns_of(path, frames));
+  const bool turned = std::ranges::any_of(turns, [](double turn) { return std::abs(turn) > no_turn; });
+  CLEAVE_TRY(const Sweep way, turned ? turned_sweep(path, outline, frames, turns) : sweep(path, outline, frames[0]));
+  auto solid = Solid::make(vertices_of(way.rings, path), faces_of(outline, way.twisted),
                            {"wall", "floor", "crown", "start", "end"});
   if (!solid) return std::unexpected(TunnelNotSolid{solid.error()});
   return *std::move(solid);
@@ -177,6 +297,14 @@ std::string describe(const TunnelError& error) {
             return std::string{
                 "the axis starts along the up direction, so the section cannot be placed; give up = [x, y, z] at an "
                 "angle to the axis"};
+          },
+          [](SectionTurns e) {
+            return fmt::format(
+                "with its floor kept level the section would turn about the axis by {:.0f} degrees at point {}; bend "
+                "the "
+                "axis in more, smaller steps there, or give the parts that meet as tunnels of their own, which may "
+                "cross",
+                e.degrees, e.point);
           },
           [](BendTooSharp e) {
             return fmt::format(

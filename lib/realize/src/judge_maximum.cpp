@@ -62,9 +62,9 @@ void judge_maximum_blocks(const Scene& scene, Realization& made) {
     used.push_back(set);
   }
   const TunnelLine& line = *scene.excavations[wanted.excavation].tunnel;
-  const SectionAxes section{line.axis[1] - line.axis[0], line.up};
+  const geometry::SectionFrame section = geometry::section_frames(line.axis, line.up).front();
   const stability::ConvexTunnel tunnel{
-      .axis = section.axis(), .right = section.right(), .up = section.up(), .outline = line.outline};
+      .axis = section.along, .right = section.right, .up = section.up, .outline = line.outline};
   const Targets target = scene.stability->target.value_or(Targets{});
   const auto partial = stability::PartialFactors::make(
       scene.stability->partial.friction, scene.stability->partial.cohesion, scene.stability->partial.weight);
@@ -76,9 +76,9 @@ void judge_maximum_blocks(const Scene& scene, Realization& made) {
                                      .target_falling = target.falling,
                                      .target_sliding = target.sliding};
   for (auto& block : stability::maximum_key_blocks(planes, tunnel, loads, {wanted.trace, wanted.size})) {
-    const Vec3 apex = block.block.apex[0] * section.right() + block.block.apex[1] * section.up();
-    MaximumRow row{.sets = {}, .block = block, .where = std::string{section.location_of(apex)}};
-    row.position = section.position_of(apex);
+    const Vec3 apex = block.block.apex[0] * section.right + block.block.apex[1] * section.up;
+    MaximumRow row{.sets = {}, .block = block, .where = std::string{location_of(section, apex)}};
+    row.position = position_of(section, apex);
     for (std::size_t i = 0; i < 3; ++i) row.sets[i] = scene.sets[used[block.planes[i]]].name;
     made.maximum_blocks.push_back(std::move(row));
   }

@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "cleave/geometry/tunnel.hpp"
 #include "cleave/stochastic/record.hpp"
 
 namespace cleave::scene {
@@ -20,14 +21,15 @@ void sort_and_drop_repeated(auto& values) {
   values.erase(repeated.begin(), repeated.end());
 }
 
-/// Direction of the part of a polyline that holds this chainage.
-Vec3 direction_at(const std::vector<Vec3>& axis, double chainage) {
+/// Frame of the section where the axis has this chainage.
+geometry::SectionFrame frame_at(const TunnelLine& tunnel, double chainage) {
+  const std::vector<Vec3>& axis = tunnel.axis;
   std::size_t i = 0;
   for (double left = chainage; i + 2 < axis.size(); ++i) {
     left -= geometry::norm(axis[i + 1] - axis[i]);
     if (left <= 0) break;
   }
-  return geometry::normalized(axis[i + 1] - axis[i]);
+  return geometry::section_frames(axis, tunnel.up)[i];
 }
 
 double distance_to_segment(Vec3 p, Vec3 a, Vec3 b) {
@@ -96,33 +98,29 @@ void measure(const topology::BlockComplex& complex, topology::BlockId block, Blo
 
 }  // namespace
 
-SectionAxes::SectionAxes(Vec3 axis, Vec3 up)
-    : axis_{geometry::normalized(axis)},
-      right_{geometry::normalized(cross(axis_, up))},
-      up_{cross(right_, axis_)},
-      shaft_{std::abs(axis_.z) >= std::sin(steepest_tunnel)} {}
+bool at_shaft(const geometry::SectionFrame& section) { return std::abs(section.along.z) >= std::sin(steepest_tunnel); }
 
-std::string_view SectionAxes::location_of(Vec3 away) const {
-  static constexpr std::array<std::string_view, 4> at_tunnel{"roof", "right wall", "floor", "left wall"};
-  static constexpr std::array<std::string_view, 4> at_shaft{"north wall", "east wall", "south wall", "west wall"};
-  if (shaft_) return at_shaft[nearest_of(4, away.x, away.y)];
-  const double angle = std::atan2(dot(away, right_), dot(away, up_)) * 180 / std::numbers::pi;  // from up to the right
-  if (std::abs(angle) <= 45) return at_tunnel[0];
-  if (std::abs(angle) >= 135) return at_tunnel[2];
-  return at_tunnel[angle > 0 ? 1 : 3];
+std::string_view location_of(const geometry::SectionFrame& section, Vec3 away) {
+  static constexpr std::array<std::string_view, 4> tunnel{"roof", "right wall", "floor", "left wall"};
+  static constexpr std::array<std::string_view, 4> shaft{"north wall", "east wall", "south wall", "west wall"};
+  if (at_shaft(section)) return shaft[nearest_of(4, away.x, away.y)];
+  const double angle = std::atan2(dot(away, section.right), dot(away, section.up)) * 180 / std::numbers::pi;
+  if (std::abs(angle) <= 45) return tunnel[0];
+  if (std::abs(angle) >= 135) return tunnel[2];
+  return tunnel[angle > 0 ? 1 : 3];
 }
 
-std::string_view SectionAxes::position_of(Vec3 away) const {
-  static constexpr std::array<std::string_view, 8> at_tunnel{"roof",  "upper right", "right", "lower right",
-                                                             "floor", "lower left",  "left",  "upper left"};
-  static constexpr std::array<std::string_view, 8> at_shaft{"north", "northeast", "east", "southeast",
-                                                            "south", "southwest", "west", "northwest"};
-  if (shaft_) return at_shaft[nearest_of(8, away.x, away.y)];
-  return at_tunnel[nearest_of(8, dot(away, right_), dot(away, up_))];
+std::string_view position_of(const geometry::SectionFrame& section, Vec3 away) {
+  static constexpr std::array<std::string_view, 8> tunnel{"roof",  "upper right", "right", "lower right",
+                                                          "floor", "lower left",  "left",  "upper left"};
+  static constexpr std::array<std::string_view, 8> shaft{"north", "northeast", "east", "southeast",
+                                                         "south", "southwest", "west", "northwest"};
+  if (at_shaft(section)) return shaft[nearest_of(8, away.x, away.y)];
+  return tunnel[nearest_of(8, dot(away, section.right), dot(away, section.up))];
 }
 
-double SectionAxes::clock_of(Vec3 away) const {
-  const double hours = std::atan2(dot(away, right_), dot(away, up_)) * 6 / std::numbers::pi;
+double clock_of(const geometry::SectionFrame& section, Vec3 away) {
+  const double hours = std::atan2(dot(away, section.right), dot(away, section.up)) * 6 / std::numbers::pi;
   return hours > 0 ? hours : hours + 12;
 }
 
@@ -176,13 +174,12 @@ BlockPlace place_of(const RunResult& result, const topology::BlockComplex& compl
   place.location = result.excavations[widest->first].wall;
   if (!tunnel || tunnel->axis.size() < 2) return place;
   place.chainage = stochastic::chainage_of(tunnel->axis, place.centroid);
-  const Vec3 axis = direction_at(tunnel->axis, *place.chainage);
-  const SectionAxes section{axis, tunnel->up};
+  const geometry::SectionFrame section = frame_at(*tunnel, *place.chainage);
   const Vec3 away = -widest->second.towards;
-  const double across = std::hypot(dot(away, section.right()), dot(away, section.up()));
-  if (!(across > std::abs(dot(away, axis)))) return place;
-  place.location = section.location_of(away);
-  place.clock = section.clock_of(away);
+  const double across = std::hypot(dot(away, section.right), dot(away, section.up));
+  if (!(across > std::abs(dot(away, section.along)))) return place;
+  place.location = location_of(section, away);
+  place.clock = clock_of(section, away);
   return place;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "cleave/exchange/text.hpp"
+#include "cleave/geometry/tunnel.hpp"
 #include "cleave/realize/places.hpp"
 #include "cleave/stochastic/record.hpp"
 #include "drawings.hpp"
@@ -31,7 +32,8 @@ struct Unrolled {
 /// The wall of a tunnel as a strip.
 class Wall final {
  public:
-  explicit Wall(const scene::TunnelLine& line) : line_{line}, starts_(line.outline.size() + 1, 0.0) {
+  explicit Wall(const scene::TunnelLine& line)
+      : line_{line}, frames_{geometry::section_frames(line.axis, line.up)}, starts_(line.outline.size() + 1, 0.0) {
     const auto& outline = line.outline;
     for (std::size_t i = 0; i < outline.size(); ++i) {
       const auto [du, dv] = side(i);
@@ -52,12 +54,12 @@ class Wall final {
   [[nodiscard]] double perimeter() const { return starts_.back(); }
   /// Of the four sides, from the lowest over the left one.
   [[nodiscard]] std::array<std::string_view, 4> names() const {
-    const scene::SectionAxes section{axis_at(0), line_.up};
-    if (!section.at_shaft()) return {"floor", "left wall", "crown", "right wall"};
-    const Vec3 up = section.up(), right = section.right();
-    return {section.position_of(-up), section.position_of(-right), section.position_of(up), section.position_of(right)};
+    const geometry::SectionFrame& section = frames_.front();
+    if (!scene::at_shaft(section)) return {"floor", "left wall", "crown", "right wall"};
+    const auto name = [&](Vec3 away) { return scene::position_of(section, away); };
+    return {name(-section.up), name(-section.right), name(section.up), name(section.right)};
   }
-  [[nodiscard]] Vec3 axis_at(double chainage) const { return part_at(chainage).direction; }
+  [[nodiscard]] Vec3 axis_at(double chainage) const { return part_at(chainage).frame.along; }
   /// The side of the outline nearest to a point, and how far off it is.
   [[nodiscard]] std::pair<std::size_t, double> nearest_side(Vec3 p) const {
     const auto [u, v] = across(p);
@@ -92,27 +94,27 @@ class Wall final {
     const auto& b = line_.outline[(i + 1) % line_.outline.size()];
     return {b[0] - a[0], b[1] - a[1]};
   }
-  /// Where the axis is at a chainage, and the way it runs.
+  /// Where the axis is at a chainage, and how the section lies there.
   struct Part {
-    Vec3 at, direction;
+    Vec3 at;
+    const geometry::SectionFrame& frame;
   };
   [[nodiscard]] Part part_at(double chainage) const {
     std::size_t i = 0;
     for (; i + 2 < line_.axis.size() && chainage > norm(line_.axis[i + 1] - line_.axis[i]); ++i) {
       chainage -= norm(line_.axis[i + 1] - line_.axis[i]);
     }
-    const Vec3 direction = normalized(line_.axis[i + 1] - line_.axis[i]);
-    return {line_.axis[i] + chainage * direction, direction};
+    return {line_.axis[i] + chainage * frames_[i].along, frames_[i]};
   }
   /// To the right and up from the axis.
   [[nodiscard]] std::array<double, 2> across(Vec3 p) const {
     const Part part = part_at(stochastic::chainage_of(line_.axis, p));
-    const Vec3 right = normalized(cross(part.direction, line_.up)), up = cross(right, part.direction);
     const Vec3 d = p - part.at;
-    return {dot(d, right), dot(d, up)};
+    return {dot(d, part.frame.right), dot(d, part.frame.up)};
   }
 
   const scene::TunnelLine& line_;
+  std::vector<geometry::SectionFrame> frames_;
   std::vector<double> starts_;
   double crown_ = 0;
 };

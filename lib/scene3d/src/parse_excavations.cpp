@@ -128,7 +128,8 @@ string_view key_of(const geometry::TunnelError& error) {
   const bool axis =
       std::holds_alternative<geometry::AxisTooShort>(error) || std::holds_alternative<geometry::BadAxisPoint>(error) ||
       std::holds_alternative<geometry::ZeroLengthAxis>(error) ||
-      std::holds_alternative<geometry::BendTooSharp>(error) || std::holds_alternative<geometry::TunnelNotSolid>(error);
+      std::holds_alternative<geometry::BendTooSharp>(error) || std::holds_alternative<geometry::SectionTurns>(error) ||
+      std::holds_alternative<geometry::TunnelNotSolid>(error);
   return axis ? "axis" : "section";
 }
 
@@ -254,7 +255,8 @@ std::vector<Key> tunnel_keys() {
            "`{ shape = \"horseshoe\", width = 10, height = 10 }`, below"},
           {"axis", key::points(), required,
            "two points or more, through the centre of the section's bounding box: straight, bent or curved"},
-          {"up", key::vector(rule::coordinate), "[0, 0, 1]", "upwards in the section, where the axis is vertical"}};
+          {"up", key::vector(rule::coordinate), "[0, 0, 1]",
+           "upwards in the section, all along the axis; needed where it starts vertical"}};
 }
 
 const KeyTable& excavation_keys() {

@@ -1,14 +1,13 @@
-#include "cleave/stability/support.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "cleave/geometry/tunnel.hpp"
+#include "cleave/stability/support.hpp"
+
 namespace cleave::stability {
 namespace {
 
-using geometry::cross;
-using geometry::dot;
 using geometry::norm;
 using geometry::normalized;
 using geometry::Vec3;
@@ -65,6 +64,7 @@ std::vector<Bolt> bolts_of(const RingPattern& pattern) {
     return bolts;
   }
   const Arc arc = arc_of(pattern);
+  const std::vector<geometry::SectionFrame> frames = geometry::section_frames(pattern.axis, pattern.up);
   double total = 0;
   for (std::size_t i = 0; i + 1 < pattern.axis.size(); ++i) total += norm(pattern.axis[i + 1] - pattern.axis[i]);
   const std::size_t rings = count(total, pattern.offset_along.si(), pattern.along.si());
@@ -76,8 +76,7 @@ std::vector<Bolt> bolts_of(const RingPattern& pattern) {
       station -= norm(pattern.axis[leg + 1] - pattern.axis[leg]);
       ++leg;
     }
-    const Vec3 ahead = normalized(pattern.axis[leg + 1] - pattern.axis[leg]);
-    const Vec3 right = normalized(cross(ahead, pattern.up)), up = cross(right, ahead);
+    const auto& [ahead, right, up] = frames[leg];
     const Vec3 centre = pattern.axis[leg] + station * ahead;
     const double shift = pattern.stagger && ring % 2 == 1 ? 0.5 * pattern.around.si() : 0;
     const std::size_t in_ring = count(arc.length, pattern.offset_around.si() + shift, pattern.around.si());

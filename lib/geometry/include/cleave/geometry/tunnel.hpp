@@ -61,7 +61,8 @@ struct TunnelOptions {
   /// Segments of a half circle (a whole circle has twice as many, an arc its share, at least two). Corners of arcs in
   /// D, horseshoe and arch sections lie on the arc, so these sections are slightly smaller than the curved ones.
   std::uint32_t segments = 16;
-  /// Which way v points; needed where the axis is vertical. It need not be at right angles to the axis.
+  /// Which way v points along the whole axis; needed where the axis starts vertical. It need not be at right angles to
+  /// the axis. Segments along it keep the section of the one before.
   std::optional<Vec3> up;
 };
 
@@ -96,14 +97,20 @@ struct ZeroLengthAxis {
 struct UpAlongAxis {  ///< the up direction (z where none is given) runs along the axis, or is not a direction
   std::size_t segment;
 };
+struct SectionTurns {  ///< between segments that both keep v upwards the section would turn about the axis by more than
+                       ///< 45 degrees
+  std::size_t point;
+  double degrees;
+};
 struct BendTooSharp {  ///< the section does not fit round the bend, or the axis turns back
   std::size_t point;
 };
 struct TunnelNotSolid {  ///< most often: the tunnel runs into itself
   SolidError reason;
 };
-using TunnelError = std::variant<NonPositiveDimension, HorseshoeTooLow, ArchTooHigh, BadSegments, BadSection,
-                                 AxisTooShort, BadAxisPoint, ZeroLengthAxis, UpAlongAxis, BendTooSharp, TunnelNotSolid>;
+using TunnelError =
+    std::variant<NonPositiveDimension, HorseshoeTooLow, ArchTooHigh, BadSegments, BadSection, AxisTooShort,
+                 BadAxisPoint, ZeroLengthAxis, UpAlongAxis, SectionTurns, BendTooSharp, TunnelNotSolid>;
 /// "what is wrong; what to do", in words for an engineer. Points are numbered from 0.
 [[nodiscard]] std::string describe(const TunnelError& error);
 
@@ -113,13 +120,23 @@ using TunnelError = std::variant<NonPositiveDimension, HorseshoeTooLow, ArchTooH
 /// What corners of tunnels and of slopes by plane or profile are rounded to (coarser beyond 4,000 km).
 inline constexpr Length opening_quantum = metres(0x1p-30);
 
+/// Unit directions of a segment of an axis and of the section's u and v there, at right angles to each other.
+struct SectionFrame {
+  Vec3 along, right, up;
+};
+/// One frame a segment of a polyline (m) without repeated points: v as near to `up` as a right angle to the segment
+/// allows, so that floors stay level however a decline winds; a segment along `up` takes over the v of the one before.
+[[nodiscard]] std::vector<SectionFrame> section_frames(const std::vector<Vec3>& axis, Vec3 up);
+
 /// The space a tunnel takes, with tags wall, floor, crown, start, end (in this order, all present).
 ///
 /// `axis`: at least two points (m), the polyline through the centres of the section's bounding box; caps at right
-/// angles to its first and last segment, mitre planes at the bends (the section keeps its true shape across every
-/// segment). Points on a straight line add nothing. u = axis x v points to the right. Corners are rounded to
-/// `opening_quantum`, and the far corner of each side of a straight axis is the near corner plus exactly the same
-/// vector, so that sides stay exactly planar parallelograms on the cutter's lattice.
+/// angles to its first and last segment, mitre planes at the bends. v points up on every segment (`section_frames`);
+/// the section keeps its true shape across every segment. Where bends of an inclined axis turn it about the axis from
+/// one segment to the next, the ring at the bend is the mean of both and the sides beside it are triangles, within half
+/// the section's reach or a quarter of the segment. Points on a straight line add nothing. u = axis x v points to the
+/// right. Corners are rounded to `opening_quantum`, and the far corner of each side of a straight axis is the near
+/// corner plus exactly the same vector, so that sides stay exactly planar parallelograms on the cutter's lattice.
 [[nodiscard]] std::expected<Solid, TunnelError> make_tunnel(const Section& section, const std::vector<Vec3>& axis,
                                                             const TunnelOptions& options = {});
 

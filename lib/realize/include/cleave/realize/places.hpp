@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cleave/geometry/tunnel.hpp"
 #include "cleave/realize/run_result.hpp"
 
 namespace cleave::scene {
@@ -12,7 +13,8 @@ namespace cleave::scene {
 /// Where a block is.
 struct BlockPlace {
   geometry::Vec3 centroid = {};  ///< m
-  /// That of `SectionAxes` at a tunnel; "slope" or "bench" of a cut; "face": any other free face; empty: there is none.
+  /// `location_of` at a tunnel or a shaft; "slope" or "bench" of a cut; "face": any other free face; empty: there is
+  /// none.
   std::string_view location = {};
   std::optional<double> chainage = {};  ///< m along the axis of the tunnel that it has most free area at
   /// Hours on the face of a clock, looking along the axis: 12 at the crown, 3 on the right; in (0, 12].
@@ -38,28 +40,15 @@ struct GroupPlace {
 [[nodiscard]] GroupPlace place_of(const RunResult& result, const topology::BlockComplex& complex,
                                   const std::vector<topology::BlockId>& group);
 
-/// Directions in the section of a tunnel or a shaft.
-class SectionAxes final {
- public:
-  /// `axis`, `up`: not along one another; neither need be a unit vector.
-  SectionAxes(geometry::Vec3 axis, geometry::Vec3 up);
-  [[nodiscard]] geometry::Vec3 axis() const { return axis_; }  ///< unit vectors: along the axis,
-  [[nodiscard]] geometry::Vec3 right() const { return right_; }
-  [[nodiscard]] geometry::Vec3 up() const { return up_; }
-
-  [[nodiscard]] bool at_shaft() const { return shaft_; }  ///< the axis plunges 70 degrees or more
-  /// What lies this way from the axis: "roof", "floor", "left wall", "right wall", looking along it; at a shaft
-  /// "north wall", "east wall", "south wall", "west wall".
-  [[nodiscard]] std::string_view location_of(geometry::Vec3 away) const;
-  /// The same in eighths: "roof", "upper right", "right", ...; "north", "northeast", ...
-  [[nodiscard]] std::string_view position_of(geometry::Vec3 away) const;
-  /// Hours on the face of a clock: in (0, 12], 12 in the direction of `up`, 3 on the right.
-  [[nodiscard]] double clock_of(geometry::Vec3 away) const;
-
- private:
-  geometry::Vec3 axis_, right_, up_;
-  bool shaft_;
-};
+/// Whether an axis plunges so steeply (70 degrees or more) that what it carries is a shaft.
+[[nodiscard]] bool at_shaft(const geometry::SectionFrame& section);
+/// What lies this way from the axis: "roof", "floor", "left wall", "right wall", looking along it; at a shaft "north
+/// wall", "east wall", "south wall", "west wall".
+[[nodiscard]] std::string_view location_of(const geometry::SectionFrame& section, geometry::Vec3 away);
+/// The same in eighths: "roof", "upper right", "right", ...; "north", "northeast", ...
+[[nodiscard]] std::string_view position_of(const geometry::SectionFrame& section, geometry::Vec3 away);
+/// Hours on the face of a clock: in (0, 12], 12 in the direction of the section's `up`, 3 on the right.
+[[nodiscard]] double clock_of(const geometry::SectionFrame& section, geometry::Vec3 away);
 
 /// All that `location` may say, in the order of tables.
 [[nodiscard]] std::span<const std::string_view> all_locations();
