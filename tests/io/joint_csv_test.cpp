@@ -105,6 +105,31 @@ TEST(JointCsvTest, UnitsInBracketsCount) {
   EXPECT_EQ(wrong[0].what, "the unit \"furlongs\" of column cohesion is not understood");
 }
 
+TEST(JointCsvTest, AnglesThatMayBeRadiansOrGonAreSaid) {
+  const auto notes = [](const std::string& text) {
+    std::string all;
+    for (const std::string& note : read(text).notes) all += note + '\n';
+    return all;
+  };
+  const std::string rows = "0.78,4.9,0,0,0\n1.2,0.4,0,0,0\n1.5,6.2,0,0,0\n";
+  EXPECT_TRUE(notes("dip,dd,x,y,z\n" + rows).contains("no dip is above 1.5 and no direction above 6.2")) << rows;
+  EXPECT_TRUE(notes("plunge,trend,x,y,z\n" + rows).contains("\"plunge (rad)\""));
+  // Stated; steeper than a quarter turn; a bed that lies flat in whole degrees.
+  EXPECT_FALSE(notes("dip (deg),dd,x,y,z\n" + rows).contains("rad"));
+  EXPECT_FALSE(notes("dip,dd,x,y,z\n" + rows + "1.6,0.4,0,0,0\n").contains("rad"));
+  EXPECT_FALSE(notes("dip,dd,x,y,z\n" + rows + "1.2,6.5,0,0,0\n").contains("rad"));
+  EXPECT_FALSE(notes("dip,dd,x,y,z\n0,0,0,0,0\n1,6,0,0,0\n").contains("rad"));
+  const auto in_radians = read("dip (rad),dd (rad),x,y,z\n" + rows);
+  EXPECT_NEAR(in_radians.rows[0].plane.dip.degrees(), 44.6907, 1e-4);
+
+  const auto in_gon = read("dip (gon),dd (grad),x,y,z\n50,390,0,0,0\n");
+  EXPECT_EQ(in_gon.rows[0].plane.dip.degrees(), 45);
+  EXPECT_EQ(in_gon.rows[0].plane.direction.degrees(), 351);
+  const auto beyond = problems("dip,dd,x,y,z\n50,390,0,0,0\n");
+  ASSERT_EQ(beyond.size(), 1U);
+  EXPECT_TRUE(beyond[0].remedy.contains("\"dip_direction (gon)\"")) << beyond[0].remedy;
+}
+
 TEST(JointCsvTest, UnitsBehindAnUnderscoreCount) {
   const JointTable t = read(
       "dip_deg,dip_dir,x_m,y_m,z_m,radius_mm,phi,cohesion_kPa,tension_MPa\n"

@@ -200,7 +200,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"FrictionWithUnitOfAnotherKind", with_box("[joints.default]\nfriction = \"30 kN\"\n"),
             "s.toml:4: joints.default.friction: is \"30 kN\", which is no number with a unit of degrees; write a bare "
             "number at least 0 and below 90 degrees, or a text with a unit such as \"35 deg\" (units: deg, degrees, °, "
-            "rad)"},
+            "rad, gon)"},
         Bad{"CountWithUnit", with_box("[stability]\nmax_batches = \"30 m\"\n"),
             "s.toml:4: stability.max_batches: is text but must be a whole number; give a whole number from 1 to "
             "1000000"},

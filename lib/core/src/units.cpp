@@ -22,7 +22,7 @@ const std::vector<UnitKind>& kinds() {
       {"m", "75 mm", {{"m", 1}, {"mm", 1e-3}, {"cm", 1e-2}, {"km", 1e3}, {"ft", 0.3048}, {"in", 0.0254}}},
       {"m2", "2 m2", {{"m2", 1}, {"cm2", 1e-4}, {"mm2", 1e-6}}},
       {"m3", "0.5 m3", {{"m3", 1}, {"l", 1e-3}, {"cm3", 1e-6}}},
-      {"degrees", "35 deg", {{"deg", 1}, {"degrees", 1}, {"°", 1}, {"rad", per_radian}}},
+      {"degrees", "35 deg", {{"deg", 1}, {"degrees", 1}, {"°", 1}, {"rad", per_radian}, {"gon", 0.9}}},
       {"Pa",
        "50 kPa",
        {{"Pa", 1},
@@ -73,7 +73,7 @@ const UnitKind* units_of(std::string_view unit) {
 const Unit* find_unit(std::string_view unit, std::string_view as_written) {
   const UnitKind* kind = units_of(unit);
   if (kind == nullptr) return nullptr;
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 12> spellings{{{"metre", "m"},
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 16> spellings{{{"metre", "m"},
                                                                                      {"metres", "m"},
                                                                                      {"meter", "m"},
                                                                                      {"meters", "m"},
@@ -84,7 +84,11 @@ const Unit* find_unit(std::string_view unit, std::string_view as_written) {
                                                                                      {"degree", "deg"},
                                                                                      {"\u00ba", "deg"},
                                                                                      {"radian", "rad"},
-                                                                                     {"radians", "rad"}}};
+                                                                                     {"radians", "rad"},
+                                                                                     {"grad", "gon"},
+                                                                                     {"grads", "gon"},
+                                                                                     {"gradian", "gon"},
+                                                                                     {"gradians", "gon"}}};
   std::string word = lower(as_written);
   for (const auto& [spelling, symbol] : spellings) {
     if (word == spelling) word = symbol;

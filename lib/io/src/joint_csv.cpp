@@ -98,6 +98,7 @@ class TableReader final {
       report(ReadFault::empty, {}, {}, "has a header but no joints", "add a line for each joint");
     }
     if (!problems_.empty()) return std::unexpected(std::move(problems_));
+    note_radians();
     return std::move(table_);
   }
 
@@ -300,16 +301,39 @@ class TableReader final {
     return std::nullopt;
   }
 
+  /// Angles without a unit, all small and not all whole, may be radians.
+  void look_at(double inclination, double bearing) {
+    largest_inclination_ = std::max(largest_inclination_, inclination);
+    largest_bearing_ = std::max(largest_bearing_, bearing);
+    any_broken_ = any_broken_ || std::round(inclination) != inclination || std::round(bearing) != bearing;
+  }
+  void note_radians() {
+    constexpr double right_angle = 1.571, whole_turn = 6.284;
+    const Column inclined = has(Column::trend) ? Column::plunge : Column::dip;
+    const bool stated = unit_[index(inclined)] != nullptr;
+    if (stated || !any_broken_ || largest_inclination_ > right_angle || largest_bearing_ > whole_turn) return;
+    table_.notes.push_back(fmt::format(
+        "no {0} is above {1} and no direction above {2}, in degrees: if they are meant in radians, say so in the names "
+        "of the columns, as in \"{0} (rad)\"",
+        name_of(inclined), largest_inclination_, largest_bearing_));
+  }
+  /// What to do about a direction beyond a whole turn.
+  [[nodiscard]] static std::string remedy_of_direction(Column column, double degrees) {
+    if (!(degrees > 360 && degrees <= 400)) return "correct it, or set wrap = true";
+    return fmt::format("correct it; in gon name the column \"{} (gon)\"; or set wrap = true", name_of(column));
+  }
+
   /// Of the pole: the normal that points down.
   geometry::Attitude of_pole(const CsvTable::Row& row) {
     const double trend = required(row, Column::trend), plunge = required(row, Column::plunge);
+    look_at(plunge, trend);
     if (!options_.wrap && !(plunge >= 0 && plunge <= 90)) {
       problem(row, Column::plunge, ReadFault::out_of_range, fmt::format("plunge is {}, outside 0..90", plunge),
               "correct it, or set wrap = true");
     }
     if (!options_.wrap && !(trend >= 0 && trend <= 360)) {
       problem(row, Column::trend, ReadFault::out_of_range, fmt::format("trend is {}, outside 0..360", trend),
-              "correct it, or set wrap = true");
+              remedy_of_direction(Column::trend, trend));
     }
     return within(90 - plunge, geometry::wrap_degrees(trend) + 180);
   }
@@ -319,6 +343,7 @@ class TableReader final {
     const Column bearing = has(Column::strike) ? Column::strike : Column::dip_direction;
     const double dip = required(row, Column::dip);
     double direction = required(row, bearing);
+    look_at(dip, direction);
     if (!options_.wrap) {
       if (!(dip >= 0 && dip <= 90)) {
         // In the other order the row would be right.
@@ -332,7 +357,8 @@ class TableReader final {
       }
       if (!(direction >= 0 && direction <= 360)) {
         problem(row, bearing, ReadFault::out_of_range,
-                fmt::format("{} is {}, outside 0..360", name_of(bearing), direction), "correct it, or set wrap = true");
+                fmt::format("{} is {}, outside 0..360", name_of(bearing), direction),
+                remedy_of_direction(bearing, direction));
       }
     }
     if (bearing == Column::strike) direction = geometry::wrap_degrees(direction) + 90;
@@ -431,6 +457,8 @@ class TableReader final {
   std::array<const Unit*, column_count> unit_{};  ///< as stated behind the names
   std::vector<std::size_t> unknown_;              ///< columns that are not understood
   bool told_of_size_ = false;
+  double largest_inclination_ = 0, largest_bearing_ = 0;
+  bool any_broken_ = false;
   bool seen_comma_ = false;
   bool seen_point_ = false;
   JointTable table_;
