@@ -57,7 +57,8 @@ std::optional<string_view> likely_unit(double bare, const NumberRule& rule) {
   if (kind == nullptr || !rule.usual) return std::nullopt;
   for (const Unit& unit : kind->units) {
     const double value = std::abs(bare) * unit.factor;
-    if (unit.factor != 1 && value >= rule.usual->low && value <= rule.usual->high) return unit.symbol;
+    const bool of_other_size = unit.factor < 0.5 || unit.factor > 2;  // gon for degrees is no slip that shows
+    if (of_other_size && value >= rule.usual->low && value <= rule.usual->high) return unit.symbol;
   }
   return std::nullopt;
 }
