@@ -26,6 +26,18 @@ struct RandomAssembly {
   Vec3 gravity{0, 0, -9.81};
 };
 
+/// A body that moves, in the scene and in the statics.
+inline void add_body(Polyhedron shape, RandomAssembly& out) {
+  const MassProperties m = mass_properties(shape).value();
+  const Symmetric& i = m.inertia;
+  out.statics.bodies.push_back({.centroid = m.centroid,
+                                .force = m.volume * out.gravity,
+                                .moment = {},
+                                .mass = m.volume,
+                                .inertia = {i.xx, i.yy, i.zz, i.xy, i.yz, i.zx}});
+  out.scene.bodies.push_back({.shape = std::move(shape)});
+}
+
 /// A box of cells of random widths, mapped by a random linear map so that joints are oblique; some cells are rock that
 /// never moves, some are void. Every number is of the generator's bits alone.
 class AssemblyMaker final {
@@ -91,16 +103,6 @@ class AssemblyMaker final {
                          {line(0, at[0] + 1), line(1, at[1] + 1), line(2, at[2] + 1)});
     for (Vec3& v : out.vertices) v = place(v.x, v.y, v.z);
     return out;
-  }
-  static void add_body(Polyhedron shape, RandomAssembly& out) {
-    const MassProperties m = mass_properties(shape).value();
-    const Symmetric& i = m.inertia;
-    out.statics.bodies.push_back({.centroid = m.centroid,
-                                  .force = m.volume * out.gravity,
-                                  .moment = {},
-                                  .mass = m.volume,
-                                  .inertia = {i.xx, i.yy, i.zz, i.xy, i.yz, i.zx}});
-    out.scene.bodies.push_back({.shape = std::move(shape)});
   }
   /// Between a cell and the next one along an axis.
   void add_contact(const std::array<int, 3>& at, std::size_t axis, std::optional<std::uint32_t> low,

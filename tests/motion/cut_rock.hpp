@@ -173,16 +173,8 @@ class CutRock final {
     }
     for (Cell& cell : cells_) {
       if (cell.kind != Kind::moves) continue;
-      Polyhedron shape = shape_of(cell);
-      const MassProperties m = mass_properties(shape).value();
-      const Symmetric& i = m.inertia;
       cell.body = static_cast<std::uint32_t>(out.statics.bodies.size());
-      out.statics.bodies.push_back({.centroid = m.centroid,
-                                    .force = m.volume * out.gravity,
-                                    .moment = {},
-                                    .mass = m.volume,
-                                    .inertia = {i.xx, i.yy, i.zz, i.xy, i.yz, i.zx}});
-      out.scene.bodies.push_back({.shape = std::move(shape)});
+      add_body(shape_of(cell), out);
     }
     for (const Cell& cell : cells_) {
       if (cell.kind == Kind::fixed) out.scene.bodies.push_back({.shape = shape_of(cell), .fixed = true});
