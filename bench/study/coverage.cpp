@@ -17,6 +17,7 @@
 #include "cleave/survey/analyse.hpp"
 #include "heavy_rock.hpp"
 #include "line.hpp"
+#include "north_set.hpp"
 #include "study.hpp"
 
 namespace cleave {
@@ -150,13 +151,7 @@ void sizes(study::Study& study, int samples) {
       }
       survey::SurveyInput input;
       input.windows.push_back(std::move(window));
-      input.rules.push_back({.name = "a",
-                             .polygon = {},
-                             .azimuth = std::pair{150.0, 30.0},
-                             .dip = Dip::degrees(90),
-                             .dip_direction = DipDirection::degrees(90),
-                             .kappa = 1e6,
-                             .shape = {}});
+      input.rules.push_back(support::north_set());
       const survey::SurveyResult result = survey::analyse(input);
       const survey::SetResult& set = result.sets.front();
       const auto holds = [](const std::optional<survey::Estimate>& e, double truth) {

@@ -12,6 +12,7 @@
 #include "cleave/survey/orientation.hpp"
 #include "cleave/survey/traces.hpp"
 #include "line.hpp"
+#include "north_set.hpp"
 
 // Worked examples of the literature and figures derived by hand; statistics at 4.5 standard errors.
 
@@ -453,13 +454,7 @@ TEST(AnalysisTest, SaysWhenTracesAndSizesDisagree) {
     }
     SurveyInput input;
     input.windows.push_back(std::move(window));
-    input.rules.push_back({.name = "a",
-                           .polygon = {},
-                           .azimuth = std::pair{150.0, 30.0},
-                           .dip = Dip::degrees(90),
-                           .dip_direction = DipDirection::degrees(90),
-                           .kappa = 1e6,
-                           .shape = {}});
+    input.rules.push_back(support::north_set());
     const SurveyResult result = analyse(input);
     return std::ranges::count_if(result.sets.front().notes,
                                  [](const std::string& note) { return note.contains("disagree"); });

@@ -9,6 +9,7 @@
 
 #include "cleave/core/rng.hpp"
 #include "heavy_rock.hpp"
+#include "north_set.hpp"
 
 namespace cleave::survey::size_test {
 namespace {
@@ -281,13 +282,7 @@ SurveyInput gamma_outcrop(std::uint64_t sample) {
   }
   SurveyInput input;
   input.windows.push_back(std::move(window));
-  input.rules.push_back({.name = "a",
-                         .polygon = {},
-                         .azimuth = std::pair{150.0, 30.0},
-                         .dip = Dip::degrees(90),
-                         .dip_direction = DipDirection::degrees(90),
-                         .kappa = 1e6,
-                         .shape = {}});
+  input.rules.push_back(support::north_set());
   return input;
 }
 
