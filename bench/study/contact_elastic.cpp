@@ -201,7 +201,7 @@ struct Verdict {
 Verdict cold(const World& world, double step) {
   Verdict out{.converged = true};
   for (const dbem::ContactProblem& group : world.problems(step)) {
-    const dbem::ContactSolution found = dbem::solve(group, {.patience = 300});
+    const dbem::ContactSolution found = dbem::solve(group, {.max_linear_solves = 300});
     out.contacts += group.contacts();
     const double judged = contact_suite::judge(group, found.impulse);
     if (found.report.status == dbem::ContactReport::Status::not_converged) {

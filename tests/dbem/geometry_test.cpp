@@ -4,8 +4,8 @@
 #include <set>
 
 #include "cleave/core/rng.hpp"
+#include "contact_candidate.hpp"
 #include "scenes.hpp"
-#include "touch.hpp"
 
 namespace cleave::dbem {
 namespace {
@@ -55,23 +55,23 @@ Placed placed(std::uint32_t body, const std::vector<Vec2>& corners, const std::v
   return {body, corners, sharp, box_of(corners), std::ranges::count(sharp, 0) == 0};
 }
 
-std::vector<Touch> touches_of(const std::vector<Vec2>& a, const std::vector<Vec2>& b,
-                              std::vector<std::uint8_t> sharp_b = {}) {
+std::vector<ContactCandidate> touches_of(const std::vector<Vec2>& a, const std::vector<Vec2>& b,
+                                         std::vector<std::uint8_t> sharp_b = {}) {
   const std::vector<std::uint8_t> sharp_a(a.size(), 1);
   if (sharp_b.empty()) sharp_b.assign(b.size(), 1);
-  std::vector<Touch> out;
+  std::vector<ContactCandidate> out;
   std::vector<CornerChoice> choices;
-  find_touches(placed(0, a, sharp_a), placed(1, b, sharp_b), {1e-3, 0.1, 1e-5, 1e-5, 1e-9}, {}, out, choices);
+  find_candidates(placed(0, a, sharp_a), placed(1, b, sharp_b), {1e-3, 0.1, 1e-5, 1e-5, 1e-9}, {}, out, choices);
   return out;
 }
 
 TEST(TouchTest, FaceOnFaceGivesTheEndsOfTheCommonInterval) {
   const auto floor = rectangle(-5, -1, 10, 1);
   for (const double shift : {0.0, 0.3, 5.3, -5.2}) {  // inside, inside, over the end, over the other end
-    const std::vector<Touch> t = touches_of(rectangle(shift - 0.5, 0, 1, 1), floor);
+    const std::vector<ContactCandidate> t = touches_of(rectangle(shift - 0.5, 0, 1, 1), floor);
     ASSERT_EQ(t.size(), 2U) << shift;
     std::set<double> ends;
-    for (const Touch& touch : t) {
+    for (const ContactCandidate& touch : t) {
       EXPECT_NEAR(touch.gap, 0, 1e-15);
       EXPECT_NEAR(std::abs(touch.normal.y), 1, 1e-15);
       EXPECT_EQ(touch.normal.y > 0, touch.i == 0U);  // out of the body of the edge
@@ -83,14 +83,15 @@ TEST(TouchTest, FaceOnFaceGivesTheEndsOfTheCommonInterval) {
 }
 
 TEST(TouchTest, EqualFacesTouchAtTheirTwoCornersOnly) {
-  const std::vector<Touch> t = touches_of(rectangle(0, 1, 1, 1), rectangle(0, 0, 1, 1));
+  const std::vector<ContactCandidate> t = touches_of(rectangle(0, 1, 1, 1), rectangle(0, 0, 1, 1));
   ASSERT_EQ(t.size(), 2U);
-  for (const Touch& touch : t) EXPECT_NEAR(std::abs(touch.normal.y), 1, 1e-15);
+  for (const ContactCandidate& touch : t) EXPECT_NEAR(std::abs(touch.normal.y), 1, 1e-15);
 }
 
 TEST(TouchTest, NearlyParallelFacesStillTouchTwice) {
   for (const double turn : {1e-10, 1e-8, 1e-6}) {
-    const std::vector<Touch> t = touches_of(turned(rectangle(-0.5, 0, 1, 1), turn), rectangle(-5, -1, 10, 1));
+    const std::vector<ContactCandidate> t =
+        touches_of(turned(rectangle(-0.5, 0, 1, 1), turn), rectangle(-5, -1, 10, 1));
     EXPECT_EQ(t.size(), 2U) << turn;
   }
 }
@@ -100,11 +101,11 @@ TEST(TouchTest, ACornerInAConcaveCornerIsHeldByBothEdges) {
   const std::vector<Vec2> ell{{-1, -1}, {2, -1}, {2, 0}, {0, 0}, {0, 2}, {-1, 2}};
   std::vector<std::uint8_t> sharp(6, 1);
   sharp[3] = 0;
-  const std::vector<Touch> exactly = touches_of(rectangle(0, 0, 1, 1), ell, sharp);
-  const std::vector<Touch> nearly = touches_of(rectangle(1e-4, 2e-4, 1, 1), ell, sharp);
+  const std::vector<ContactCandidate> exactly = touches_of(rectangle(0, 0, 1, 1), ell, sharp);
+  const std::vector<ContactCandidate> nearly = touches_of(rectangle(1e-4, 2e-4, 1, 1), ell, sharp);
   for (const auto* t : {&exactly, &nearly}) {
     std::size_t up = 0, right = 0;
-    for (const Touch& touch : *t) {
+    for (const ContactCandidate& touch : *t) {
       const Vec2 n = touch.i == 0 ? touch.normal : -touch.normal;
       up += n.y > 0.999 ? 1U : 0U;
       right += n.x > 0.999 ? 1U : 0U;
@@ -114,12 +115,12 @@ TEST(TouchTest, ACornerInAConcaveCornerIsHeldByBothEdges) {
     EXPECT_EQ(t->size(), 4U);
   }
   // The concave corner itself touches nothing.
-  for (const Touch& touch : exactly) EXPECT_FALSE(touch.i == 1 && touch.vertex == 3);
+  for (const ContactCandidate& touch : exactly) EXPECT_FALSE(touch.i == 1 && touch.vertex == 3);
 }
 
 TEST(TouchTest, CornersApartChooseTheLineTheyMissLess) {
   // Corner of a square above and left of the corner of another by nearly nothing.
-  const std::vector<Touch> t = touches_of(rectangle(-1 + 2e-6, 1e-6, 1, 1), rectangle(0, -1, 1, 1));
+  const std::vector<ContactCandidate> t = touches_of(rectangle(-1 + 2e-6, 1e-6, 1, 1), rectangle(0, -1, 1, 1));
   ASSERT_EQ(t.size(), 1U);
   EXPECT_NEAR(std::abs(t[0].normal.y), 1, 1e-12);
   EXPECT_NEAR(t[0].gap, 1e-6, 1e-12);
@@ -133,10 +134,10 @@ TEST(TouchTest, ATipThatHasPassedAnotherIsBehindNoneOfItsLines) {
   int near_one = 0;
   for (double off = 1e-8; off < 0.1; off *= 1.05) {
     const std::vector<Vec2> tip{{off, 2 - off}, {off + 0.5, 2.5 - off}, {off - 0.5, 2.5 - off}};
-    std::vector<Touch> found;
+    std::vector<ContactCandidate> found;
     std::vector<CornerChoice> choices;
-    find_touches(placed(0, tip, three), placed(1, house, five), {1e-6, 0.1, 5e-6, 5e-6, 1e-9}, {}, found, choices);
-    for (const Touch& touch : found) EXPECT_GT(touch.gap, -1e-9) << off;
+    find_candidates(placed(0, tip, three), placed(1, house, five), {1e-6, 0.1, 5e-6, 5e-6, 1e-9}, {}, found, choices);
+    for (const ContactCandidate& touch : found) EXPECT_GT(touch.gap, -1e-9) << off;
     near_one += found.empty() ? 0 : 1;
   }
   EXPECT_GT(near_one, 100);

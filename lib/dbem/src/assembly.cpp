@@ -31,9 +31,9 @@ BoundaryPoint nearest_on(std::span<const Vec2> corners, Vec2 p) {
   return best;
 }
 
-std::vector<Island> World::Impl::islands_of(const std::vector<Touch>& list) const {
+std::vector<Island> ContactSearch::islands_of(const std::vector<ContactCandidate>& list) const {
   DisjointSets<std::uint32_t> together{size()};
-  for (const Touch& t : list) {
+  for (const ContactCandidate& t : list) {
     if (shapes[t.i].fixed || shapes[t.j].fixed) continue;
     together.join(t.i, t.j);
   }
@@ -55,11 +55,11 @@ std::vector<Island> World::Impl::islands_of(const std::vector<Touch>& list) cons
   return islands;
 }
 
-Rows World::Impl::rows_of(const std::vector<Touch>& list, const Island& island, const State& at) const {
+Rows ContactSolve::rows_of(const std::vector<ContactCandidate>& list, const Island& island, const State& at) const {
   Rows rows;
   rows.sides.reserve(2 * island.touches.size());
   for (const std::uint32_t which : island.touches) {
-    const Touch& touch = list[which];
+    const ContactCandidate& touch = list[which];
     const Vec2 n = touch.normal;
     const Vec2 t = turned_left(n);
     for (const bool edge_side : {false, true}) {
@@ -101,18 +101,18 @@ Rows World::Impl::rows_of(const std::vector<Touch>& list, const Island& island, 
   return rows;
 }
 
-World::Impl::Damped World::Impl::damped_over(double step) const {
+ContactSolve::Damped ContactSolve::damped_over(double step) const {
   const double a = options.mass_damping * step;
   return a > 0 ? Damped{std::exp(-a), -std::expm1(-a) / a} : Damped{1, 1};
 }
 
-double World::Impl::mode_inverse(std::size_t body, std::size_t mode, double theta, double step) const {
+double ContactSolve::mode_inverse(std::size_t body, std::size_t mode, double theta, double step) const {
   const ModalBasis& basis = *bodies[body].modes;
   const double w = basis.omega[mode] * step * theta;
   return 1 / (1 + 2 * basis.damping * w + options.mass_damping * step * theta + w * w);
 }
 
-World::Impl::SidesOfBodies World::Impl::sides_of(const Rows& rows, double theta, double step, bool rigid_only) const {
+ContactSolve::SidesOfBodies ContactSolve::sides_of(const Rows& rows, double theta, double step, bool rigid_only) const {
   SidesOfBodies out;
   out.number.resize(size());
   for (std::size_t k = 0; k < rows.sides.size(); ++k) {
@@ -148,7 +148,7 @@ World::Impl::SidesOfBodies World::Impl::sides_of(const Rows& rows, double theta,
   return out;
 }
 
-BlockMatrix World::Impl::delassus(const Rows& rows, double theta, double step, double felt, bool rigid_only) const {
+BlockMatrix ContactSolve::delassus(const Rows& rows, double theta, double step, double felt, bool rigid_only) const {
   const std::size_t m = rows.sides.size() / 2;
   const SidesOfBodies sides = sides_of(rows, theta, step, rigid_only);
   BlockMatrix w;
@@ -195,8 +195,8 @@ BlockMatrix World::Impl::delassus(const Rows& rows, double theta, double step, d
   return w;
 }
 
-std::optional<RigidForm> World::Impl::rigid_form(const Rows& rows, const Island& island, double felt,
-                                                 bool stiffened) const {
+std::optional<RigidForm> ContactSolve::rigid_form(const Rows& rows, const Island& island, double felt,
+                                                  bool stiffened) const {
   RigidForm form;
   if (!stiffened && std::ranges::any_of(island.bodies, [&](std::uint32_t b) { return shapes[b].modes > 0; }))
     return std::nullopt;
@@ -215,7 +215,7 @@ std::optional<RigidForm> World::Impl::rigid_form(const Rows& rows, const Island&
   return form;
 }
 
-Vec2 World::Impl::velocity_of(const Rows& rows, std::size_t contact, const State& at) const {
+Vec2 ContactSolve::velocity_of(const Rows& rows, std::size_t contact, const State& at) const {
   Vec2 sum{};
   for (const std::size_t which : {2 * contact, 2 * contact + 1}) {
     const Side& s = rows.sides[which];
@@ -230,8 +230,8 @@ Vec2 World::Impl::velocity_of(const Rows& rows, std::size_t contact, const State
   return sum;
 }
 
-void World::Impl::add_impulse(const Rows& rows, std::size_t contact, Vec2 p, std::array<double, 2> theta, double step,
-                              State& at) const {
+void ContactSolve::add_impulse(const Rows& rows, std::size_t contact, Vec2 p, std::array<double, 2> theta, double step,
+                               State& at) const {
   const double felt = damped_over(step).felt;
   for (const std::size_t which : {2 * contact, 2 * contact + 1}) {
     const Side& s = rows.sides[which];
@@ -246,7 +246,7 @@ void World::Impl::add_impulse(const Rows& rows, std::size_t contact, Vec2 p, std
   }
 }
 
-std::optional<std::uint32_t> World::Impl::bond_at(const Touch& t) const {
+std::optional<std::uint32_t> JointState::bond_at(const ContactCandidate& t) const {
   if (t.tie != no_tie) return std::nullopt;
   const BondKey wanted{t.i, t.vertex, t.j, 0};
   const auto at = std::ranges::lower_bound(bond_keys, wanted);
@@ -254,7 +254,7 @@ std::optional<std::uint32_t> World::Impl::bond_at(const Touch& t) const {
   return at->bond;
 }
 
-double World::Impl::cohesion_of(const Touch& t) const {
+double JointState::cohesion_of(const ContactCandidate& t) const {
   if (const Bond* bond = bond_of(t)) return bond->cohesion;
   const auto at = bond_at(t);
   if (!at) return 0;
@@ -262,7 +262,7 @@ double World::Impl::cohesion_of(const Touch& t) const {
   return (bond.broken && !bond.opened) || lost(*at) == Loss::by_slip ? bond.residual : 0.0;
 }
 
-const Bond* World::Impl::bond_of(const Touch& t) const {
+const Bond* JointState::bond_of(const ContactCandidate& t) const {
   const auto at = bond_at(t);
   if (!at) return nullptr;
   const Bond& bond = bonds[*at];
@@ -270,7 +270,7 @@ const Bond* World::Impl::bond_of(const Touch& t) const {
   return bond.broken || torn || lost(*at) != Loss::none ? nullptr : &bond;
 }
 
-const JointLaw& World::Impl::law_of(const Touch& t) const {
+const JointLaw& JointState::law_of(const ContactCandidate& t) const {
   static const JointLaw smooth;
   if (t.tie != no_tie) return smooth;
   std::size_t of_i = bodies[t.i].property;
@@ -290,8 +290,8 @@ const JointLaw& World::Impl::law_of(const Touch& t) const {
   return laws.of(of_i, of_j);
 }
 
-Vec2 World::Impl::with_gap(Vec2 free, Vec2 old, const Touch& touch, Vec2 force, const Island& island, double thick,
-                           double step) const {
+Vec2 ContactSolve::with_gap(Vec2 free, Vec2 old, const ContactCandidate& touch, Vec2 force, const Island& island,
+                            double thick, double step) const {
   // A spring in the joint: its shortening at the end of the step carries the force then.
   const Vec2 soft = compliance_of(touch);
   const double theta = island.theta;
@@ -308,9 +308,9 @@ Vec2 World::Impl::with_gap(Vec2 free, Vec2 old, const Touch& touch, Vec2 force, 
   return {free.x + std::max(touch.gap - std::min(thick, 100 * feature) * contact_depth, 0.0) / step, free.y};
 }
 
-ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Island& island, const Rows& rows,
-                                       const State& before, const State& free, double step,
-                                       std::vector<Vec2>& viscous) const {
+ContactProblem ContactSolve::problem_of(const std::vector<ContactCandidate>& list, const Island& island,
+                                        const Rows& rows, const State& before, const State& free, double step,
+                                        std::vector<Vec2>& viscous) const {
   const double theta = island.theta;
   const std::size_t m = island.touches.size();
   ContactProblem problem;
@@ -329,7 +329,7 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
   for (const std::uint32_t body : island.bodies) thick = std::max(thick, shapes[body].feature);
   for (const std::size_t at : problem.w.diagonal) softest = std::max(softest, problem.w.values[at].xx);
   for (std::size_t k = 0; k < m; ++k) {
-    const Touch& touch = list[island.touches[k]];
+    const ContactCandidate& touch = list[island.touches[k]];
     const Bond* bond = bond_of(touch);
     const Vec2 force = forces[k];
     bem::Mat2& diagonal = problem.w.values[problem.w.diagonal[k]];
@@ -364,8 +364,8 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
   return problem;
 }
 
-Vec2 World::Impl::force_on(const State& at, std::size_t body, double step, double& torque,
-                           std::vector<double>* modal) const {
+Vec2 ContactSolve::force_on(const State& at, std::size_t body, double step, double& torque,
+                            std::vector<double>* modal) const {
   const double when = time + 0.5 * step;
   const Shape& shape = shapes[body];
   Vec2 acceleration = options.gravity;
@@ -398,7 +398,7 @@ Vec2 World::Impl::force_on(const State& at, std::size_t body, double step, doubl
   return force;
 }
 
-void World::Impl::free_motion(const State& before, const std::vector<double>& theta, double step, State& free) const {
+void ContactSolve::free_motion(const State& before, const std::vector<double>& theta, double step, State& free) const {
   std::vector<double> modal;
   const auto [kept, felt] = damped_over(step);
   for (std::size_t b = 0; b < size(); ++b) {
@@ -426,8 +426,8 @@ void World::Impl::free_motion(const State& before, const std::vector<double>& th
   }
 }
 
-void World::Impl::mark_impacts(const std::vector<Touch>& list, std::vector<Island>& islands, double step,
-                               const std::vector<std::uint8_t>& implicit, std::vector<Rows>& made) const {
+void ContactSolve::mark_impacts(const std::vector<ContactCandidate>& list, std::vector<Island>& islands, double step,
+                                const std::vector<std::uint8_t>& implicit, std::vector<Rows>& made) const {
   made.clear();
   for (Island& island : islands) {
     made.push_back(rows_of(list, island, state));
@@ -442,7 +442,7 @@ void World::Impl::mark_impacts(const std::vector<Touch>& list, std::vector<Islan
   }
 }
 
-void World::Impl::predict(const State& before, double step, std::size_t body, State& mid) const {
+void ContactSolve::predict(const State& before, double step, std::size_t body, State& mid) const {
   mid.x[body] = before.x[body] + step * before.v[body];
   mid.angle[body] = before.angle[body] + step * before.spin[body];
   for (std::size_t m = first_mode[body]; m < first_mode[body + 1]; ++m) mid.e[m] = before.e[m] + step * before.de[m];

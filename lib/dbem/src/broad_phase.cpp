@@ -2,7 +2,7 @@
 #include <cmath>
 #include <utility>
 
-#include "touch.hpp"
+#include "contact_candidate.hpp"
 
 namespace cleave::dbem {
 namespace {

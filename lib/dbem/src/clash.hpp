@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "touch.hpp"
+#include "contact_candidate.hpp"
 
 /// Overlaps of outlines as they lie: what every step is judged by. Shares nothing with the search for contacts.
 namespace cleave::dbem {

@@ -26,7 +26,7 @@ void World::Impl::add_mated(Mated side) {
 }
 
 void World::Impl::make_mated() {
-  for (const Touch& t : touches) {
+  for (const ContactCandidate& t : touches) {
     const JointLaw& law = law_of(t);
     const double feature = std::min(shapes[t.i].feature, shapes[t.j].feature);
     if (!(law.dilation > 0) || t.gap > 1e-6 * feature) continue;
@@ -45,7 +45,7 @@ void World::Impl::make_mated() {
   if (!mated.empty()) fat.clear();  // pairs reach as far as they can ride
 }
 
-void World::Impl::ride(Touch& touch, const State& at) const {
+void JointState::ride(ContactCandidate& touch, const State& at) const {
   if (mated.empty() || !std::ranges::binary_search(mated, Mated{touch.j, touch.edge, touch.i})) return;
   const JointLaw& law = law_of(touch);
   if (!(law.dilation > 0)) return;
@@ -67,7 +67,7 @@ void World::Impl::ride(Touch& touch, const State& at) const {
   touch.normal = rotated(touch.normal, touch.tilt);
 }
 
-double World::Impl::friction_of(const Touch& t, const Bond* bond) const {
+double JointState::friction_of(const ContactCandidate& t, const Bond* bond) const {
   const JointLaw& law = law_of(t);
   const double whole = bond == nullptr ? law.residual_friction.value_or(law.friction) : law.friction;
   if (t.tilt == 0) return whole;

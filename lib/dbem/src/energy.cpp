@@ -2,7 +2,7 @@
 
 namespace cleave::dbem {
 
-double World::Impl::kinetic_of(const State& at) const {
+double WorldState::kinetic_of(const State& at) const {
   double sum = 0;
   for (std::size_t b = 0; b < size(); ++b) {
     if (shapes[b].fixed) continue;
@@ -12,7 +12,7 @@ double World::Impl::kinetic_of(const State& at) const {
   return sum;
 }
 
-double World::Impl::elastic_of(const State& at, const std::vector<CachedContact>& forces) const {
+double JointState::elastic_of(const State& at, const std::vector<CachedContact>& forces) const {
   double sum = 0;
   for (std::size_t b = 0; b < size(); ++b) {
     for (std::size_t m = 0; m < shapes[b].modes; ++m) {
@@ -28,7 +28,7 @@ double World::Impl::elastic_of(const State& at, const std::vector<CachedContact>
   return sum;
 }
 
-double World::Impl::potential_of(const State& at) const {
+double WorldState::potential_of(const State& at) const {
   double sum = 0;
   for (std::size_t b = 0; b < size(); ++b) {
     if (!shapes[b].fixed) sum -= shapes[b].mass * dot(options.gravity, at.x[b] - start_x[b]);
@@ -36,12 +36,12 @@ double World::Impl::potential_of(const State& at) const {
   return sum;
 }
 
-double World::Impl::energy_brought_in(const std::vector<Touch>& list, const Island& island, const Rows& rows,
-                                      const ContactSolution& found, const State& after) const {
+double ContactSolve::energy_brought_in(const std::vector<ContactCandidate>& list, const Island& island,
+                                       const Rows& rows, const ContactSolution& found, const State& after) const {
   if (island.theta < 1) return 0;
   double gain = 0, size = 0;
   for (std::size_t k = 0; k < island.touches.size(); ++k) {
-    const Touch& touch = list[island.touches[k]];
+    const ContactCandidate& touch = list[island.touches[k]];
     if (touch.tie != no_tie) continue;
     if (law_of(touch).restitution > 0 || compliance_of(touch) != Vec2{}) return 0;
     gain += dot(found.impulse[k], velocity_of(rows, k, after));

@@ -5,7 +5,7 @@
 
 namespace cleave::dbem {
 
-void World::Impl::place(const State& at, std::size_t body, std::vector<Vec2>& all) const {
+void WorldState::place(const State& at, std::size_t body, std::vector<Vec2>& all) const {
   const Shape& shape = shapes[body];
   const double c = std::cos(at.angle[body]);
   const double s = std::sin(at.angle[body]);
@@ -24,7 +24,7 @@ void World::Impl::place(const State& at, std::size_t body, std::vector<Vec2>& al
   }
 }
 
-void World::Impl::place_all(const State& at, std::vector<Vec2>& all, std::vector<Box2>& box) const {
+void WorldState::place_all(const State& at, std::vector<Vec2>& all, std::vector<Box2>& box) const {
   all.resize(first_corner.back());
   box.resize(size());
   for (std::size_t b = 0; b < size(); ++b) {
@@ -33,11 +33,11 @@ void World::Impl::place_all(const State& at, std::vector<Vec2>& all, std::vector
   }
 }
 
-bool World::Impl::still(std::size_t b) const {
+bool WorldState::still(std::size_t b) const {
   return idle(b) && state.v[b] == Vec2{} && state.spin[b] == 0 && !bodies[b].moves;
 }
 
-double World::Impl::speed_bound(const State& at, std::size_t body) const {
+double WorldState::speed_bound(const State& at, std::size_t body) const {
   double speed = norm(at.v[body]) + std::abs(at.spin[body]) * shapes[body].radius;
   if (bodies[body].moves) speed = std::max(speed, norm(bodies[body].moves(time + next_step)));
   const std::size_t modes = shapes[body].modes;
@@ -58,7 +58,7 @@ double World::Impl::speed_bound(const State& at, std::size_t body) const {
   return speed;
 }
 
-Drift World::Impl::drift(const State& at, const TouchKey& pair, double step) const {
+Drift ContactSearch::drift(const State& at, const ContactKey& pair, double step) const {
   const auto speed = [&](std::uint32_t b) {
     const Shape& shape = shapes[b];
     const Vec2 fall{shape.inverse_x > 0 ? step * options.gravity.x : 0,
@@ -69,7 +69,7 @@ Drift World::Impl::drift(const State& at, const TouchKey& pair, double step) con
   return {step * (vi - vj), step * (at.spin[pair.i] - at.spin[pair.j])};
 }
 
-void World::Impl::rebuild_pairs(const State& at, const std::vector<Box2>& box, double step) {
+void ContactSearch::rebuild_pairs(const State& at, const std::vector<Box2>& box, double step) {
   fat.resize(size());
   std::vector<std::uint8_t> lazy(size());
   for (std::size_t b = 0; b < size(); ++b) {
@@ -83,8 +83,8 @@ void World::Impl::rebuild_pairs(const State& at, const std::vector<Box2>& box, d
   pairs = overlapping_pairs(fat, lazy);
 }
 
-void World::Impl::find(const State& at, const std::vector<Vec2>& all, const std::vector<Box2>& box, double step,
-                       std::vector<Touch>& out, std::vector<CornerChoice>& undecided, double& longest) {
+void ContactSearch::find(const State& at, const std::vector<Vec2>& all, const std::vector<Box2>& box, double step,
+                         std::vector<ContactCandidate>& out, std::vector<CornerChoice>& undecided, double& longest) {
   out.clear();
   undecided.clear();
   longest = std::numeric_limits<double>::infinity();
@@ -115,25 +115,25 @@ void World::Impl::find(const State& at, const std::vector<Vec2>& all, const std:
     if (distance > margin + ridden) continue;
     const double near = 1e-5 * feature;
     const std::size_t before = out.size();
-    find_touches(placed(all, box, a), placed(all, box, b),
-                 {.margin = margin + ridden,
-                  .depth = std::max(margin, 0.3 * feature),
-                  .near = near,
-                  .corner = std::clamp(margin, near, 0.3 * feature),
-                  .touching = 2 * contact_depth * feature},
-                 drift(at, {a, 0, b, 0}, step), out, undecided);
+    find_candidates(placed(all, box, a), placed(all, box, b),
+                    {.margin = margin + ridden,
+                     .depth = std::max(margin, 0.3 * feature),
+                     .near = near,
+                     .corner = std::clamp(margin, near, 0.3 * feature),
+                     .touching = 2 * contact_depth * feature},
+                    drift(at, {a, 0, b, 0}, step), out, undecided);
     for (std::size_t k = before; k < out.size(); ++k) ride(out[k], at);
   }
 }
 
-void World::Impl::look(double step) {
+void ContactSearch::look(double step) {
   find(state, corners, boxes, step, touches, choices, limit);
   settle_choices();
 }
 
-void World::Impl::settle_choices() {
+void ContactSearch::settle_choices() {
   std::erase_if(choices, [&](const CornerChoice& choice) {
-    for (const Touch* line : {&choice.first, &choice.last}) {
+    for (const ContactCandidate* line : {&choice.first, &choice.last}) {
       const auto at = std::ranges::lower_bound(memory, key_of(*line), {}, &CachedContact::key);
       if (at == memory.end() || at->key != key_of(*line) || at->force.x <= 0) continue;
       touches.push_back(*line);

@@ -4,7 +4,7 @@
 
 namespace cleave::dbem {
 
-bool World::Impl::bounces(const Island& island, const Touch& touch, double closing, double step) const {
+bool ContactSolve::bounces(const Island& island, const ContactCandidate& touch, double closing, double step) const {
   return island.impact && closing < -1e-6 && touch.gap + step * closing <= 0 && law_of(touch).restitution > 0;
 }
 
@@ -13,13 +13,13 @@ bool World::Impl::bounces(const Island& island, const Touch& touch, double closi
 /// which nothing seems to hit at the start gives nothing back either, though a body that turns or falls faster may hit
 /// before the end, and so may what is seen to hit by the geometry in the middle of the step alone: then the share that
 /// ends just before it does.
-double World::Impl::until_first_bounce(const std::vector<Touch>& list, const Island& island, const Rows& rows,
-                                       const ContactSolution& found, double step) const {
+double ContactSolve::until_first_bounce(const std::vector<ContactCandidate>& list, const Island& island,
+                                        const Rows& rows, const ContactSolution& found, double step) const {
   if (step <= 1e-3 * options.step) return 1;
   double first = step, soonest = step;
   bool second = false;
   for (std::size_t k = 0; k < island.touches.size(); ++k) {
-    const Touch& touch = list[island.touches[k]];
+    const ContactCandidate& touch = list[island.touches[k]];
     if (law_of(touch).restitution <= 0) continue;
     const double closing = velocity_of(rows, k, state).x;
     if (bounces(island, touch, closing, step)) {

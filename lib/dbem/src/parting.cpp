@@ -71,7 +71,7 @@ std::vector<Vec2> least_move(const ContactProblem& problem, Work& work, bool dee
 
 }  // namespace
 
-std::vector<Clash> World::Impl::clashes_of(Attempt& out) {
+std::vector<Clash> ContactSearch::clashes_of(Attempt& out) {
   std::vector<std::uint8_t> lazy(size());
   for (std::size_t b = 0; b < size(); ++b) {
     const bool there = out.state.x[b] == state.x[b] && out.state.angle[b] == state.angle[b];
@@ -93,7 +93,7 @@ std::vector<Clash> World::Impl::clashes_of(Attempt& out) {
 }
 
 /// How far springs in the joints of two bodies let them overlap.
-double World::Impl::shortened_by_springs(const Attempt& out, BodyPair pair) const {
+double Parting::shortened_by_springs(const Attempt& out, BodyPair pair) const {
   double most = 0;
   for (const CachedContact& m : out.memory) {
     const bool between = (m.key.i == pair.a && m.key.j == pair.b) || (m.key.i == pair.b && m.key.j == pair.a);
@@ -104,7 +104,8 @@ double World::Impl::shortened_by_springs(const Attempt& out, BodyPair pair) cons
 
 /// Corners that went into a body in a step that ended in an overlap: finds the edges they came through. True when one
 /// was added to the list.
-bool World::Impl::add_missed(const Attempt& out, const std::vector<Clash>& clashes, std::vector<Touch>& list) const {
+bool Parting::add_missed(const Attempt& out, const std::vector<Clash>& clashes,
+                         std::vector<ContactCandidate>& list) const {
   bool added = false;
   const auto enter = [&](std::uint32_t i, std::uint32_t j, double rounding) {
     for (std::size_t v = 0; v < corner_count(i); ++v) {
@@ -112,17 +113,17 @@ bool World::Impl::add_missed(const Attempt& out, const std::vector<Clash>& clash
       const auto edge = first_crossing(corners_of(corners, j), corners_of(out.corners, j), corners[first_corner[i] + v],
                                        out.corners[first_corner[i] + v], rounding);
       if (!edge) continue;
-      Touch missed{.i = i,
-                   .vertex = static_cast<std::uint32_t>(v),
-                   .j = j,
-                   .edge = static_cast<std::uint32_t>(*edge),
-                   .gap = 0,
-                   .ratio = 0,
-                   .normal = {},
-                   .point = {}};
-      const TouchKey key = key_of(missed);
-      if (std::ranges::any_of(list, [&](const Touch& other) { return key_of(other) == key; })) continue;
-      renew_touch(missed, corners_of(corners, i), corners_of(corners, j));
+      ContactCandidate missed{.i = i,
+                              .vertex = static_cast<std::uint32_t>(v),
+                              .j = j,
+                              .edge = static_cast<std::uint32_t>(*edge),
+                              .gap = 0,
+                              .ratio = 0,
+                              .normal = {},
+                              .point = {}};
+      const ContactKey key = key_of(missed);
+      if (std::ranges::any_of(list, [&](const ContactCandidate& other) { return key_of(other) == key; })) continue;
+      update_candidate(missed, corners_of(corners, i), corners_of(corners, j));
       list.push_back(missed);
       added = true;
     }
@@ -137,18 +138,18 @@ bool World::Impl::add_missed(const Attempt& out, const std::vector<Clash>& clash
 }
 
 /// Corners of which no line was known and that came in. True when a contact was added to the list.
-bool World::Impl::add_crossed(const Attempt& out, std::vector<Touch>& list) const {
+bool Parting::add_crossed(const Attempt& out, std::vector<ContactCandidate>& list) const {
   bool added = false;
   for (const CornerChoice& choice : choices) {
     CornerChoice after = choice;
-    for (Touch* line : {&after.first, &after.last}) {
-      renew_touch(*line, corners_of(out.corners, line->i), corners_of(out.corners, line->j));
+    for (ContactCandidate* line : {&after.first, &after.last}) {
+      update_candidate(*line, corners_of(out.corners, line->i), corners_of(out.corners, line->j));
     }
     const std::uint32_t i = choice.first.i, j = choice.first.j;
     // Of the arithmetic, not what counts as touching: the shorter the step, the less comes in with the first one.
     const double rounding = 1e-12 * std::min(shapes[i].feature, shapes[j].feature) + 1e-15 * norm(after.first.point);
-    const std::optional<Touch> crossed = line_crossed(choice, after, rounding);
-    const auto known = [&](const Touch& other) { return key_of(other) == key_of(*crossed); };
+    const std::optional<ContactCandidate> crossed = line_crossed(choice, after, rounding);
+    const auto known = [&](const ContactCandidate& other) { return key_of(other) == key_of(*crossed); };
     if (!crossed || std::ranges::any_of(list, known)) continue;
     list.push_back(*crossed);
     added = true;
@@ -158,7 +159,7 @@ bool World::Impl::add_crossed(const Attempt& out, std::vector<Touch>& list) cons
 
 /// Takes up to `wanted` of kinetic energy from a group, all velocities by one factor: what touches still touches, what
 /// slides slides the same way. Returns what was taken; nothing where a support moves.
-double World::Impl::slow_down(const Island& island, const Rows& rows, double wanted, State& at) const {
+double Parting::slow_down(const Island& island, const Rows& rows, double wanted, State& at) const {
   for (const Side& side : rows.sides) {
     const Shape& shape = shapes[side.body];
     const bool held = shape.inverse_x * shape.inverse_y * shape.inverse_spin == 0;
@@ -179,8 +180,7 @@ double World::Impl::slow_down(const Island& island, const Rows& rows, double wan
 }
 
 /// The least move in the norm of the masses that leaves no gap negative, as a contact problem without friction.
-ContactProblem World::Impl::parting_problem(const Island& island, const Rows& rows,
-                                            const std::vector<double>& gaps) const {
+ContactProblem Parting::parting_problem(const Island& island, const Rows& rows, const std::vector<double>& gaps) const {
   const std::size_t m = gaps.size();
   ContactProblem problem;
   double lightest = std::numeric_limits<double>::infinity(), heaviest = 0;
@@ -211,7 +211,7 @@ ContactProblem World::Impl::parting_problem(const Island& island, const Rows& ro
 /// Moving bodies of a free group that slide past each other changes their angular momentum by `turned`: a common spin
 /// takes that out. What energy that brings is taken from how they move against each other, all by one factor: what
 /// touches still touches.
-void World::Impl::keep_angular_momentum(const Island& island, double turned, State& at) const {
+void Parting::keep_angular_momentum(const Island& island, double turned, State& at) const {
   double mass = 0, inertia = 0, angular = 0;
   Vec2 centre{}, velocity{};
   for (const std::uint32_t b : island.bodies) {
@@ -244,7 +244,7 @@ void World::Impl::keep_angular_momentum(const Island& island, double turned, Sta
 }
 
 /// Parts one group; false: nothing to do, or left for the next step.
-bool World::Impl::part_group(Island& island, Attempt& out, Work& work) const {
+bool Parting::part_group(Island& island, Attempt& out, Work& work) const {
   std::erase_if(island.touches, [&](std::uint32_t k) {
     const auto held = [&](std::uint32_t b) { return shapes[b].inverse_x + shapes[b].inverse_y <= 0; };
     return held(out.touches[k].i) && held(out.touches[k].j);
@@ -252,7 +252,7 @@ bool World::Impl::part_group(Island& island, Attempt& out, Work& work) const {
   double deepest = 0;  // over the smaller feature
   std::vector<double> gaps;
   for (const std::uint32_t k : island.touches) {
-    const Touch& t = out.touches[k];
+    const ContactCandidate& t = out.touches[k];
     gaps.push_back(compliance_of(t).x > 0 ? std::max(t.gap, 0.0) : t.gap);
     deepest = std::max(deepest, -gaps.back() / std::min(shapes[t.i].feature, shapes[t.j].feature));
   }
@@ -288,7 +288,7 @@ bool World::Impl::part_group(Island& island, Attempt& out, Work& work) const {
 }
 
 /// Parts penetrating bodies. Positions only, but for what keeps energy and angular momentum.
-bool World::Impl::project(Attempt& out, Work& work) const {
+bool Parting::separate_overlaps(Attempt& out, Work& work) const {
   bool moved = false;
   for (Island& island : islands_of(out.touches)) {
     const bool parted = part_group(island, out, work);

@@ -18,7 +18,7 @@ void archive(A& a, Archived<BodyPair> auto& p) {
   a(p.a, p.b);
 }
 template <class A>
-void archive(A& a, Archived<Touch> auto& t) {
+void archive(A& a, Archived<ContactCandidate> auto& t) {
   a(t.i, t.vertex, t.j, t.edge, t.gap, t.ratio, t.normal, t.point, t.tilt);
 }
 template <class A>
@@ -30,7 +30,7 @@ void archive(A& a, Archived<CornerChoice> auto& c) {
   a(c.first, c.last);
 }
 template <class A>
-void archive(A& a, Archived<TouchKey> auto& k) {
+void archive(A& a, Archived<ContactKey> auto& k) {
   a(k.i, k.vertex, k.j, k.edge);
 }
 template <class A>
@@ -53,8 +53,8 @@ template <class A>
 void archive(A& a, const JointLaw& l) {
   const bool wet = l.water_table.has_value();
   a(l.friction, l.cohesion, l.tension, l.residual_cohesion, l.residual_friction, l.dilation, l.dilation_slip.si(),
-    l.water_pressure.si(), wet, wet ? l.water_table->si() : 0.0, l.compliance, l.normal_stiffness, l.shear_stiffness,
-    l.restitution);
+    l.water_pressure.si(), wet, wet ? l.water_table->si() : 0.0, l.compliance, l.normal_stiffness.value_or(0),
+    l.shear_stiffness.value_or(0), l.restitution);
 }
 template <class A>
 void archive(A& a, const PairLaw& p) {
@@ -140,7 +140,7 @@ bool all_finite(const List& list, std::size_t size) {
 bool is_pair(const World::Impl& w, std::uint32_t a, std::uint32_t vertex, std::uint32_t b, std::uint32_t edge) {
   return a < w.size() && b < w.size() && a != b && vertex < w.corner_count(a) && edge < w.corner_count(b);
 }
-bool is_touch(const World::Impl& w, const Touch& t) {
+bool is_touch(const World::Impl& w, const ContactCandidate& t) {
   return is_pair(w, t.i, t.vertex, t.j, t.edge) && finite(t.gap) && finite(t.ratio) && finite(t.normal) &&
          finite(t.point) && finite(t.tilt);
 }
@@ -166,7 +166,7 @@ bool contacts_are_sound(const World::Impl& w) {
   const std::size_t n = w.size();
   const auto boxes = [&](const Box2& box) { return finite(box.low) && finite(box.high); };
   const auto pair = [&](const BodyPair& p) { return p.a < p.b && p.b < n; };
-  const auto touch = [&](const Touch& t) { return is_touch(w, t); };
+  const auto touch = [&](const ContactCandidate& t) { return is_touch(w, t); };
   const auto choice = [&](const CornerChoice& c) { return is_touch(w, c.first) && is_touch(w, c.last); };
   const auto remembered = [&](const CachedContact& m) {
     return is_pair(w, m.key.i, m.key.vertex, m.key.j, m.key.edge) && finite(m.force) && finite(m.compliance) &&

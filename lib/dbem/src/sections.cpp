@@ -18,12 +18,12 @@ struct Along {
 
 /// Contacts of the joint that contact `k` lies on, in order along it: same two bodies, same line.
 std::vector<Along> joint_of(const World::Impl& w, std::size_t k) {
-  const Touch& t = w.touches[k];
+  const ContactCandidate& t = w.touches[k];
   const Vec2 along = turned_left(t.normal);
   const double feature = std::min(w.shapes[t.i].feature, w.shapes[t.j].feature);
   std::vector<Along> out;
   for (std::size_t q = 0; q < w.touches.size(); ++q) {
-    const Touch& other = w.touches[q];
+    const ContactCandidate& other = w.touches[q];
     const bool same = (other.i == t.i && other.j == t.j) || (other.i == t.j && other.j == t.i);
     if (!same || std::abs(cross(other.normal, t.normal)) > 1e-3) continue;
     const Vec2 d = other.point - t.point;
@@ -36,7 +36,7 @@ std::vector<Along> joint_of(const World::Impl& w, std::size_t k) {
 }
 
 /// Both bodies reach the middle between two contacts: the joint is closed there.
-bool closed_between(const World::Impl& w, const Touch& a, const Touch& b) {
+bool closed_between(const World::Impl& w, const ContactCandidate& a, const ContactCandidate& b) {
   const Vec2 middle = 0.5 * (a.point + b.point);
   const double allowed = 1e-5 * std::min(w.shapes[a.i].feature, w.shapes[a.j].feature) + 1e-3 * norm(b.point - a.point);
   return nearest_on(w.corners_of(w.corners, a.i), middle).distance <= allowed &&
@@ -81,7 +81,7 @@ void World::Impl::make_water() {
   constexpr double unit_weight = 9810;  // N/m3
   std::vector<std::uint8_t> done(touches.size(), 0);
   for (std::size_t first = 0; first < touches.size(); ++first) {
-    const Touch& t = touches[first];
+    const ContactCandidate& t = touches[first];
     const JointLaw& law = law_of(t);
     const double feature = std::min(shapes[t.i].feature, shapes[t.j].feature);
     if (done[first] != 0 || !(law.water_pressure > Stress{} || law.water_table) || t.gap > 1e-6 * feature) continue;
@@ -109,7 +109,7 @@ void World::Impl::make_water() {
 void World::Impl::make_bonds() {
   std::vector<std::uint8_t> done(touches.size(), 0);
   for (std::size_t first = 0; first < touches.size(); ++first) {
-    const Touch& t = touches[first];
+    const ContactCandidate& t = touches[first];
     const JointLaw& law = law_of(t);
     const double feature = std::min(shapes[t.i].feature, shapes[t.j].feature);
     const bool weakens = law.residual_friction.value_or(law.friction) < law.friction;
@@ -134,7 +134,7 @@ void World::Impl::make_bonds() {
   std::ranges::sort(bond_keys);
 }
 
-void World::Impl::add_bond(const Touch& t, const Bond& bond) {
+void World::Impl::add_bond(const ContactCandidate& t, const Bond& bond) {
   const auto index = static_cast<std::uint32_t>(bonds.size());
   bonds.push_back(bond);
   bond_keys.push_back({t.i, t.vertex, t.j, index});
@@ -163,7 +163,7 @@ void World::Impl::weaken(const Attempt& done) {
 
 /// Stress at the edge of a section is linear in its normal force and moment, N / l + 6 M / l2, whatever number of
 /// contacts carries them. Where it passes the strength the joint tears as a whole.
-bool World::Impl::tear_sections(const std::vector<Touch>& list, const Attempt& out,
+bool World::Impl::tear_sections(const std::vector<ContactCandidate>& list, const Attempt& out,
                                 const std::vector<ContactSolution>& solutions, double step) {
   if (sections.empty()) return false;
   std::vector<double> force(sections.size(), 0.0), moment(sections.size(), 0.0);

@@ -5,11 +5,11 @@
 
 namespace cleave::dbem {
 
-bool World::Impl::wake(const std::vector<Touch>& list, double closer) {
+bool ContactSearch::wake(const std::vector<ContactCandidate>& list, double closer) {
   if (std::ranges::none_of(asleep, [](std::uint8_t a) { return a != 0; })) return false;
   std::vector<std::uint8_t> rouse(groups, 0);
   bool any = false;
-  for (const Touch& t : list) {
+  for (const ContactCandidate& t : list) {
     if (t.gap > closer * std::min(shapes[t.i].feature, shapes[t.j].feature)) continue;
     for (const auto& [a, b] : {std::pair{t.i, t.j}, std::pair{t.j, t.i}}) {
       if (asleep[a] != 0 && !idle(b)) rouse[sleep_group[a]] = 1;
@@ -29,8 +29,8 @@ bool World::Impl::wake(const std::vector<Touch>& list, double closer) {
 
 void World::Impl::fall_asleep() {
   if (!options.sleep || options.ground || options.quasi_static) return;
-  std::vector<Touch> joined = touches;
-  for (const Touch& bar : bars_at(state)) joined.push_back(bar);
+  std::vector<ContactCandidate> joined = touches;
+  for (const ContactCandidate& bar : bars_at(state)) joined.push_back(bar);
   const std::vector<Island> islands = islands_of(joined);
   const std::uint32_t before = groups;
   for (const Island& island : islands) {
@@ -53,7 +53,7 @@ void World::Impl::fall_asleep() {
   }
   if (groups == before) return;
   fat.clear();  // the list of pairs leaves sleeping ones out
-  std::erase_if(touches, [&](const Touch& t) { return asleep[t.i] != 0 || asleep[t.j] != 0; });
+  std::erase_if(touches, [&](const ContactCandidate& t) { return asleep[t.i] != 0 || asleep[t.j] != 0; });
 }
 
 }  // namespace cleave::dbem

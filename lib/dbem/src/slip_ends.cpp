@@ -52,7 +52,7 @@ double Trial::until_slip_ends(std::size_t group) const {
   State kept;  // as it would be if friction went on as it began
   double first = never;
   for (std::size_t k = 0; k < island.touches.size(); ++k) {
-    const Touch& t = list_[island.touches[k]];
+    const ContactCandidate& t = list_[island.touches[k]];
     const Vec2 p = solutions_[group].impulse[k];
     if (t.tie != no_tie || p.x <= 0 || w_.compliance_of(t).y > 0) continue;
     const double before = w_.velocity_of(rows, k, w_.state).y, after = w_.velocity_of(rows, k, out_.state).y;

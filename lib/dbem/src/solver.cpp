@@ -17,9 +17,12 @@ namespace {
 class Cascade final {
  public:
   Cascade(PatternSolver& linear, const ContactProblem& problem, const SolverOptions& options)
-      : linear_{linear}, problem_{problem}, options_{options} {}
+      : linear_{linear},
+        problem_{problem},
+        options_{options},
+        most_solves_{options.max_linear_solves.value_or(std::numeric_limits<std::size_t>::max())} {}
 
-  /// Takes an answer if it is the best so far; true when that is good enough, or patience is at an end.
+  /// Takes an answer if it is the best so far; true when that is good enough, or no more is to be tried.
   bool take(SolverAttempt tried, Method method) {
     iterations_ += tried.iterations;
     if (tried.p.size() != problem_.contacts()) return false;
@@ -29,7 +32,7 @@ class Cascade final {
       method_ = method;
       p_ = std::move(tried.p);
     }
-    return best_ <= options_.accept || iterations_ >= options_.patience || work().over();
+    return best_ <= options_.accept || iterations_ >= most_solves_ || work().over();
   }
 
   ContactSolution finish() {
@@ -91,7 +94,7 @@ class Cascade final {
       }
       if (warm && !large && shi()) return;
       if (!large && take(from_here({}, most / 2), Method::newton)) return;
-      if (take(proximal(linear_, problem_, warm ? problem_.start : std::vector<Vec2>{}, enough, options_.patience),
+      if (take(proximal(linear_, problem_, warm ? problem_.start : std::vector<Vec2>{}, enough, most_solves_),
                Method::continuation) &&
           best_ <= options_.accept) {
         take(from_here(p_, 5), Method::continuation);  // the last digits
@@ -107,14 +110,14 @@ class Cascade final {
     const std::size_t most = options_.newton_iterations;
     // From forces that nobody knows a path leads home sooner than sweeps, from the step before sweeps do.
     const auto look_quickly = [&] { return along_path(std::min(quick_look, options_.path)); };
-    const bool patient = options_.patience == SolverOptions{}.patience;
+    const bool patient = !options_.max_linear_solves;
     const std::size_t rounds = patient || !warm ? 12 : 2;
     if (wander && (warm ? swept(rounds) || look_quickly() : look_quickly() || swept(rounds))) return;
     if (work().over()) return;
     // Shorter steps from known forces are cheaper than all that follows.
     if (wander && warm && !patient) return;
     // Rather than cut the step of a large group at once: what made it hard is often there in a shorter one, too.
-    if (iterations_ >= options_.patience) {
+    if (iterations_ >= most_solves_) {
       if (large && !inside(wander ? 150 : 1000)) along_path(options_.path);
       return;
     }
@@ -128,7 +131,7 @@ class Cascade final {
       return newton(linear_, problem_, 0, target, iterations, std::move(start));
     };
     if (take(from_here({}, most), Method::newton)) return;
-    if (warm && take(proximal(linear_, problem_, {}, enough, options_.patience), Method::continuation)) return;
+    if (warm && take(proximal(linear_, problem_, {}, enough, most_solves_), Method::continuation)) return;
     for (const double factor : {10.0, 3.0, 1.5}) {
       if (take(continuation(linear_, problem_, options_, factor), Method::continuation)) return;
     }
@@ -163,7 +166,7 @@ class Cascade final {
   /// Groups that wander: true when an answer was found, the start for one included.
   bool along_proximal_points(const std::vector<Vec2>& start, double enough) {
     if (!start.empty() && take(SolverAttempt{start}, Method::newton) && best_ <= enough) return true;
-    return take(proximal(linear_, problem_, start, enough, options_.patience), Method::continuation) &&
+    return take(proximal(linear_, problem_, start, enough, most_solves_), Method::continuation) &&
            best_ <= options_.accept;
   }
 
@@ -253,6 +256,7 @@ class Cascade final {
   PatternSolver& linear_;
   const ContactProblem& problem_;
   const SolverOptions& options_;
+  std::size_t most_solves_;
   std::vector<Vec2> p_;
   double best_ = 1e300;
   Method method_ = Method::none;

@@ -60,15 +60,15 @@ constexpr double length_alone = 0.05;
 
 }  // namespace
 
-Vec2 World::Impl::compliance_of(const Touch& t) const {
+Vec2 JointState::compliance_of(const ContactCandidate& t) const {
   if (t.tie != no_tie) return {1 / ties[t.tie].stiffness.si(), 0};
   const JointLaw& law = law_of(t);
-  if (law.normal_stiffness <= 0 && law.shear_stiffness <= 0) return {law.compliance, law.compliance};
+  if (!law.normal_stiffness && !law.shear_stiffness) return {law.compliance, law.compliance};
   const double alone = length_alone * std::min(shapes[t.i].feature, shapes[t.j].feature);
   const double length = length_of({corners_of(corners, t.i), shapes[t.i].sharp}, t.vertex,
                                   {corners_of(corners, t.j), shapes[t.j].sharp}, t.edge, alone);
-  return {law.normal_stiffness > 0 ? 1 / (law.normal_stiffness * length) : 0.0,
-          law.shear_stiffness > 0 ? 1 / (law.shear_stiffness * length) : 0.0};
+  return {law.normal_stiffness ? 1 / (*law.normal_stiffness * length) : 0.0,
+          law.shear_stiffness ? 1 / (*law.shear_stiffness * length) : 0.0};
 }
 
 }  // namespace cleave::dbem

@@ -54,8 +54,9 @@ Creep settle(Centring& centring, const ContactProblem& problem, ContactSolution&
 
 }  // namespace
 
-bool World::Impl::gives_back_too_much(const std::vector<Touch>& list, const Island& island, const Rows& rows,
-                                      const State& free, double step, const ContactSolution& found) const {
+bool ContactSolve::gives_back_too_much(const std::vector<ContactCandidate>& list, const Island& island,
+                                       const Rows& rows, const State& free, double step,
+                                       const ContactSolution& found) const {
   const auto springy = [&](std::uint32_t k) { return law_of(list[k]).restitution > 0; };
   if (std::ranges::none_of(island.touches, springy)) return false;
   State after = free;
@@ -84,15 +85,16 @@ bool World::Impl::gives_back_too_much(const std::vector<Touch>& list, const Isla
 
 /// Impulses of one group of bodies. Restitution at several contacts at once, or with friction, may ask for more energy
 /// than there is (Kane 1984): then half of it is asked for, and again.
-ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island& island, const Rows& rows,
-                                          const State& free, double step, std::size_t cut,
-                                          const std::vector<Vec2>& known, Work& work) const {
+ContactSolution ContactSolve::solve_island(const std::vector<ContactCandidate>& list, Island& island, const Rows& rows,
+                                           const State& free, double step, std::size_t cut,
+                                           const std::vector<Vec2>& known, Work& work) const {
   PatternSolver linear{work};
   SolverOptions how = options.solver;
   // What resists in a large group is sooner solved by shorter steps than by all that can be tried.
   const bool last = cut == options.cuts;
   if (cut > 0 && !last) how.path = 0;
-  if (!last && island.touches.size() > patient_up_to) how.patience = std::min(how.patience, max_linear_solves_large);
+  if (!last && island.touches.size() > patient_up_to)
+    how.max_linear_solves = std::min(how.max_linear_solves.value_or(max_linear_solves_large), max_linear_solves_large);
   for (std::size_t iterations = 0;;) {
     std::vector<Vec2> viscous;
     ContactProblem problem = problem_of(list, island, rows, state, free, step, viscous);
@@ -151,7 +153,7 @@ void World::Impl::accept(Attempt&& done) {
   }
   std::ranges::sort(done.memory, {}, &CachedContact::key);
   std::ranges::sort(done.contacts, {},
-                    [](const Contact& c) { return TouchKey{c.vertex_body, c.vertex, c.edge_body, c.edge}; });
+                    [](const Contact& c) { return ContactKey{c.vertex_body, c.vertex, c.edge_body, c.edge}; });
   memory = std::move(done.memory);
   settle_choices();
   contacts = std::move(done.contacts);

@@ -48,7 +48,7 @@ std::optional<WorldError> World::Impl::make_ties() {
   return std::nullopt;
 }
 
-std::pair<Vec2, Vec2> World::Impl::tie_ends(std::size_t tie, const State& at) const {
+std::pair<Vec2, Vec2> JointState::tie_ends(std::size_t tie, const State& at) const {
   const auto end = [&](std::size_t body, Vec2 local, const BoundaryPoint& place) {
     const Shape& shape = shapes[body];
     Vec2 p = local - shape.local_centroid;
@@ -69,7 +69,7 @@ std::pair<Vec2, Vec2> World::Impl::tie_ends(std::size_t tie, const State& at) co
   return {end(of.first, of.at_first, tie_places[tie][0]), end(of.second, of.at_second, tie_places[tie][1])};
 }
 
-Touch World::Impl::touch_of_tie(std::size_t tie, const State& at) const {
+ContactCandidate JointState::touch_of_tie(std::size_t tie, const State& at) const {
   const auto [p, q] = tie_ends(tie, at);
   const double length = norm(q - p);
   return {.i = static_cast<std::uint32_t>(ties[tie].first),
@@ -83,11 +83,11 @@ Touch World::Impl::touch_of_tie(std::size_t tie, const State& at) const {
           .tie = static_cast<std::uint32_t>(tie)};
 }
 
-std::vector<Touch> World::Impl::bars_at(const State& at) const {
-  std::vector<Touch> out;
+std::vector<ContactCandidate> JointState::bars_at(const State& at) const {
+  std::vector<ContactCandidate> out;
   for (std::size_t k = 0; k < bars.size(); ++k) {
     if (!bars[k].installed || bars[k].broken || (idle(ties[k].first) && idle(ties[k].second))) continue;
-    Touch bar = touch_of_tie(k, at);
+    ContactCandidate bar = touch_of_tie(k, at);
     if (bar.normal != Vec2{}) out.push_back(bar);
   }
   return out;
@@ -117,7 +117,7 @@ void World::Impl::install_ties() {
   }
 }
 
-double World::Impl::until_next_tie() const {
+double JointState::until_next_tie() const {
   double soonest = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < ties.size(); ++k) {
     if (!bars[k].installed) soonest = std::min(soonest, ties[k].installed.si() - time);
@@ -125,7 +125,7 @@ double World::Impl::until_next_tie() const {
   return soonest;
 }
 
-double World::Impl::elastic_of_ties() const {
+double JointState::elastic_of_ties() const {
   double sum = 0;
   for (std::size_t k = 0; k < ties.size(); ++k) sum += 0.5 * bars[k].force * bars[k].force / ties[k].stiffness.si();
   return sum;
@@ -135,7 +135,7 @@ double World::Impl::elastic_of_ties() const {
 
 void Trial::pull_ties() {
   // What yields is expected to go on; it is looked at again when it is known where it leads.
-  for (const Touch& bar : w_.bars_at(w_.state)) {
+  for (const ContactCandidate& bar : w_.bars_at(w_.state)) {
     if (out_.bars[bar.tie].yielding) {
       pulling_.push_back(bar.tie);
     } else {
@@ -147,7 +147,7 @@ void Trial::pull_ties() {
 
 void Trial::pull_with_capacity(const State& mid) {
   for (const std::uint32_t tie : pulling_) {
-    const std::vector<Touch> one{w_.touch_of_tie(tie, mid)};
+    const std::vector<ContactCandidate> one{w_.touch_of_tie(tie, mid)};
     Island island;
     island.touches = {0};
     const Rows rows = w_.rows_of(one, island, mid);
@@ -175,8 +175,9 @@ bool Trial::ties_gave_way() {
     }
   }
   if (!any) return false;
-  std::erase_if(
-      list_, [&](const Touch& t) { return t.tie != no_tie && (out_.bars[t.tie].yielding || out_.bars[t.tie].broken); });
+  std::erase_if(list_, [&](const ContactCandidate& t) {
+    return t.tie != no_tie && (out_.bars[t.tie].yielding || out_.bars[t.tie].broken);
+  });
   solutions_.clear();  // other questions
   return true;
 }
@@ -210,7 +211,7 @@ void Trial::break_bar(std::uint32_t tie) {
 }
 
 void Trial::note_tie(std::size_t group, std::size_t contact) {
-  const Touch& t = list_[out_.islands[group].touches[contact]];
+  const ContactCandidate& t = list_[out_.islands[group].touches[contact]];
   out_.bars[t.tie].force = solutions_[group].impulse[contact].x / step_;
 }
 

@@ -96,14 +96,14 @@ void Trial::divide() {
     const Island& island = out_.islands[s];
     if (island.theta >= 1) continue;
     for (const std::uint32_t k : island.touches) {
-      Touch& touch = moved_[k];
+      ContactCandidate& touch = moved_[k];
       const double gap = touch.gap;
       if (touch.tie != no_tie) {
         touch = w_.touch_of_tie(touch.tie, mid);
         touch.gap = gap;
         continue;
       }
-      renew_touch(touch, w_.corners_of(mid_corners, touch.i), w_.corners_of(mid_corners, touch.j));
+      update_candidate(touch, w_.corners_of(mid_corners, touch.i), w_.corners_of(mid_corners, touch.j));
       w_.ride(touch, mid);
       touch.gap = gap;
     }

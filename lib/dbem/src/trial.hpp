@@ -76,9 +76,9 @@ class Trial final {
   Work& work_;
   SlipEnds slip_ends_;
   Attempt& out_;
-  std::vector<Touch> list_;   // at the start of the step
-  std::vector<Touch> moved_;  // where impulses act
-  std::vector<Rows> rows_;    // of each group
+  std::vector<ContactCandidate> list_;   // at the start of the step
+  std::vector<ContactCandidate> moved_;  // where impulses act
+  std::vector<Rows> rows_;               // of each group
   std::vector<ContactSolution> solutions_;
   std::vector<Clash> clashes_;
   std::vector<double> theta_;  // of each body

@@ -26,7 +26,7 @@ void Trial::note_contacts() {
 
 void Trial::note_contact(std::size_t group, std::size_t contact) {
   const Rows& rows = rows_[group];
-  const Touch& t = list_[out_.islands[group].touches[contact]];
+  const ContactCandidate& t = list_[out_.islands[group].touches[contact]];
   const Vec2 p = solutions_[group].impulse[contact];
   note_given_work(rows, contact, p);
   if (t.tie != no_tie) return note_tie(group, contact);
@@ -35,7 +35,7 @@ void Trial::note_contact(std::size_t group, std::size_t contact) {
   const Bond* bond = w_.bond_of(t);
   const Vec2 soft = w_.compliance_of(t);
   out_.friction -= soft.y > 0 ? 0.0 : p.y * 0.5 * (now.y + old.y);
-  const Touch& at = moved_[out_.islands[group].touches[contact]];
+  const ContactCandidate& at = moved_[out_.islands[group].touches[contact]];
   const double bound = w_.friction_of(at, bond) * p.x / step_ + w_.cohesion_of(t);
   ContactState how = ContactState::stick;
   if (p == Vec2{}) {
@@ -75,7 +75,7 @@ bool Trial::bonds_gave_way() {
   for (std::size_t s = 0; s < out_.islands.size(); ++s) {
     const std::vector<std::uint32_t>& touches = out_.islands[s].touches;
     for (std::size_t k = 0; k < touches.size(); ++k) {
-      const Touch& t = list_[touches[k]];
+      const ContactCandidate& t = list_[touches[k]];
       const Bond* bond = w_.bond_of(t);
       if (bond == nullptr) continue;
       const Vec2 p = solutions_[s].impulse[k], velocity = w_.velocity_of(rows_[s], k, out_.state);
@@ -118,7 +118,7 @@ void Trial::note_loads() {
 }
 
 void Trial::part() {
-  for (int pass = 0; pass < 3 && w_.project(out_, work_); ++pass) {
+  for (int pass = 0; pass < 3 && w_.separate_overlaps(out_, work_); ++pass) {
     double limit_again = 0;
     const double plan = std::max(w_.next_step, step_);
     w_.find(out_.state, out_.corners, out_.boxes, plan, out_.touches, out_.choices, limit_again);

@@ -177,7 +177,9 @@ SolverAttempt continuation(PatternSolver& linear, const ContactProblem& problem,
                            double factor) {
   SolverAttempt tried;
   std::size_t iterations = 0;
-  for (double soft = 1; soft > 1e-9 && iterations < options.patience && !linear.work().over(); soft /= factor) {
+  for (double soft = 1;
+       soft > 1e-9 && (!options.max_linear_solves || iterations < *options.max_linear_solves) && !linear.work().over();
+       soft /= factor) {
     SolverAttempt stage = newton(linear, problem, soft, 1e-8, 40, std::move(tried.p));
     iterations += stage.iterations;
     tried = std::move(stage);
@@ -207,7 +209,7 @@ void sweep(const ContactProblem& problem, Work& work, double soft, const std::ve
 }
 
 SolverAttempt proximal(PatternSolver& linear, const ContactProblem& given, std::vector<Vec2> start, double enough,
-                       std::size_t patience) {
+                       std::size_t max_linear_solves) {
   ContactProblem problem = given;  // its regularisation moves along with the centre
   const bool cold = start.empty();
   SolverAttempt tried{std::move(start)};
@@ -222,7 +224,8 @@ SolverAttempt proximal(PatternSolver& linear, const ContactProblem& given, std::
   }
   std::size_t stale = 0, easy = 0;
   double least = 1e-10;
-  for (int outer = 0; outer < 60 && stale < 8 && tried.iterations < patience && !linear.work().over(); ++outer) {
+  for (int outer = 0; outer < 60 && stale < 8 && tried.iterations < max_linear_solves && !linear.work().over();
+       ++outer) {
     const double inner = std::clamp(1e-2 * best, 0.1 * enough, 1e-3);
     SolverAttempt stage = newton(linear, problem, soft, inner, 40, tried.p, centre);
     tried.iterations += stage.iterations;

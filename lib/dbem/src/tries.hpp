@@ -42,6 +42,6 @@ void sweep(const ContactProblem& problem, Work& work, double soft, const std::ve
 /// leaves open stay where they are instead of swinging, and what equilibrium fixes converges by e / (e + sigma). Inner
 /// answers need be no better than the outer ones (Rockafellar 1976).
 SolverAttempt proximal(PatternSolver& linear, const ContactProblem& given, std::vector<Vec2> start, double enough,
-                       std::size_t patience);
+                       std::size_t max_linear_solves);
 
 }  // namespace cleave::dbem

@@ -8,16 +8,16 @@ namespace cleave::dbem {
 /// Where a corner meets a corner, or an edge that goes on straight, the pair may be named anew from step to step: the
 /// other body's corner, or the edge before or behind. What it carried is found under those names too, when the line is
 /// the same.
-std::vector<Vec2> World::Impl::warm_start(const std::vector<Touch>& list, const Island& island) const {
+std::vector<Vec2> ContactSolve::warm_start(const std::vector<ContactCandidate>& list, const Island& island) const {
   const std::size_t m = island.touches.size();
   std::vector<Vec2> force(m);
   std::vector<std::uint8_t> used(memory.size()), known(m);
-  const auto find_key = [&](const TouchKey& key) {
+  const auto find_key = [&](const ContactKey& key) {
     const auto at = std::ranges::lower_bound(memory, key, {}, &CachedContact::key);
     return at != memory.end() && at->key == key ? static_cast<std::size_t>(at - memory.begin()) : memory.size();
   };
   for (std::size_t k = 0; k < m; ++k) {
-    if (const Touch& bar = list[island.touches[k]]; bar.tie != no_tie) {
+    if (const ContactCandidate& bar = list[island.touches[k]]; bar.tie != no_tie) {
       force[k] = {bars[bar.tie].force, 0};
       known[k] = 1;
       continue;
@@ -35,12 +35,13 @@ std::vector<Vec2> World::Impl::warm_start(const std::vector<Touch>& list, const 
   };
   for (std::size_t k = 0; k < m; ++k) {
     if (known[k] != 0) continue;
-    const Touch& t = list[island.touches[k]];
+    const ContactCandidate& t = list[island.touches[k]];
     const std::uint32_t corner = t.ratio < 0.5 ? t.edge : next(t.edge, t.j);
     const std::uint32_t other_edge = t.ratio < 0.5 ? before(t.edge, t.j) : next(t.edge, t.j);
-    const std::array<TouchKey, 3> names{TouchKey{t.i, t.vertex, t.j, other_edge}, TouchKey{t.j, corner, t.i, t.vertex},
-                                        TouchKey{t.j, corner, t.i, before(t.vertex, t.i)}};
-    for (const TouchKey& name : names) {
+    const std::array<ContactKey, 3> names{ContactKey{t.i, t.vertex, t.j, other_edge},
+                                          ContactKey{t.j, corner, t.i, t.vertex},
+                                          ContactKey{t.j, corner, t.i, before(t.vertex, t.i)}};
+    for (const ContactKey& name : names) {
       const std::size_t at = find_key(name);
       if (at == memory.size() || used[at] != 0) continue;
       const double along = dot(memory[at].normal, t.normal) * (name.i == t.i ? 1 : -1);

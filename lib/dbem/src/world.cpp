@@ -56,9 +56,10 @@ std::optional<WorldError> check_law(const JointLaw& law) {
   if (!good(law.compliance) || law.compliance < 0) {
     return BadLaw{fmt::format("compliance {} is not at least 0", law.compliance)};
   }
-  for (const double stiffness : {law.normal_stiffness, law.shear_stiffness}) {
-    if (!good(stiffness) || stiffness < 0) return BadLaw{fmt::format("stiffness {} is not at least 0", stiffness)};
-    if (stiffness > 0 && law.compliance > 0) return BadLaw{"both a stiffness and a compliance"};
+  for (const std::optional<double>& stiffness : {law.normal_stiffness, law.shear_stiffness}) {
+    if (!stiffness) continue;
+    if (!good(*stiffness) || *stiffness <= 0) return BadLaw{fmt::format("stiffness {} is not above 0", *stiffness)};
+    if (law.compliance > 0) return BadLaw{"both a stiffness and a compliance"};
   }
   if (!(law.restitution >= 0 && law.restitution <= 1)) {
     return BadLaw{fmt::format("restitution {} is not between 0 and 1", law.restitution)};
@@ -387,13 +388,13 @@ std::expected<void, WorldError> World::set_step(double step) {
 std::vector<ContactProblem> World::problems(double step) const {
   const Impl& w = *impl_;
   if (!good(step) || step <= 0) return {};
-  std::vector<Touch> list = w.touches;
+  std::vector<ContactCandidate> list = w.touches;
   if (w.seen_step < step) {
     Impl again = w;
     again.look(step);
     list = std::move(again.touches);
   }
-  for (const Touch& bar : w.bars_at(w.state)) list.push_back(bar);
+  for (const ContactCandidate& bar : w.bars_at(w.state)) list.push_back(bar);
   std::vector<Island> islands = w.islands_of(list);
   std::vector<Rows> rows;
   w.mark_impacts(list, islands, step, std::vector<std::uint8_t>(w.size()), rows);

@@ -86,10 +86,10 @@ struct JointLaw {
   /// Height of still water, scene: adds 9810 Pa for each metre below it; empty: none.
   std::optional<Length> water_table = {};
   double compliance = 0;  ///< m2/N of one contact point, normal and tangential; 0: rigid
-  /// Pa/m of the joint, in place of `compliance`: a contact has that of the length it stands for. 0: rigid.
-  double normal_stiffness = 0;
-  double shear_stiffness = 0;  ///< likewise
-  double restitution = 0;      ///< 0 .. 1, of the normal velocity
+  /// Pa/m of the joint, in place of `compliance`: a contact has that of the length it stands for. Empty: rigid.
+  std::optional<double> normal_stiffness = {};
+  std::optional<double> shear_stiffness = {};  ///< likewise
+  double restitution = 0;                      ///< 0 .. 1, of the normal velocity
 };
 
 /// Law of the faces between bodies of properties a and b (either order).

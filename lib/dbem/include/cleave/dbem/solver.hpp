@@ -86,7 +86,8 @@ struct SolverOptions {
   std::size_t newton_iterations = 60;
   std::size_t open_close_passes = 6;
   std::size_t path = 6000;  ///< factors that paths may take where all else failed, rigid bodies only
-  std::size_t patience = static_cast<std::size_t>(-1);  ///< linear solves after which the cascade tries nothing more
+  /// Linear solves after which the cascade tries nothing more; empty: there is no such number.
+  std::optional<std::size_t> max_linear_solves = {};
 };
 
 /// What a solver says of its answer; `residual` is that of the natural map at the answer, recomputed whatever found it.

@@ -1,4 +1,4 @@
-#include "touch.hpp"
+#include "contact_candidate.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -47,7 +47,7 @@ Against against(std::span<const Vec2> corners, std::size_t edge, Vec2 p) {
   return {dot(normal, p - start), dot(p - start, along) / length2, normal};
 }
 
-Touch touch_of(const Placed& i, std::size_t vertex, const Placed& j, std::size_t edge) {
+ContactCandidate touch_of(const Placed& i, std::size_t vertex, const Placed& j, std::size_t edge) {
   const Against a = against(j.corners, edge, i.corners[vertex]);
   return {i.body, static_cast<std::uint32_t>(vertex), j.body,   static_cast<std::uint32_t>(edge),
           a.gap,  std::clamp(a.ratio, 0.0, 1.0),      a.normal, i.corners[vertex]};
@@ -65,13 +65,13 @@ Behind behind(double from, double to, double tolerance) {
 
 /// One of the two lines that bound what is forbidden to corner p of i at corner q of j.
 struct Line {
-  Touch touch;   // clamped ratio
-  double ratio;  // of the foot along the edge, not clamped
-  double after;  // gap at the end of the predicted motion
+  ContactCandidate touch;  // clamped ratio
+  double ratio;            // of the foot along the edge, not clamped
+  double after;            // gap at the end of the predicted motion
 };
 
 Line line_of(const Placed& i, std::size_t vertex, const Placed& j, std::size_t edge, Vec2 motion) {
-  const Touch t = touch_of(i, vertex, j, edge);
+  const ContactCandidate t = touch_of(i, vertex, j, edge);
   return {t, against(j.corners, edge, i.corners[vertex]).ratio, t.gap + dot(t.normal, motion)};
 }
 
@@ -106,7 +106,7 @@ const Line* holding_line(const Line& first, const Line& last, double tolerance) 
 }
 
 struct Found {
-  std::vector<Touch>& touches;
+  std::vector<ContactCandidate>& touches;
   std::vector<CornerChoice>& choices;
 };
 
@@ -174,7 +174,7 @@ void one_direction(const Placed& i, const Placed& j, const Reach& reach, const D
         if (corners_too) corner_on_corner(i, v, j, close, reach, drift, out);
       } else {  // in a concave corner: both edges hold it
         for (const std::size_t edge : {before(close, n), close}) {
-          const Touch t = touch_of(i, v, j, edge);
+          const ContactCandidate t = touch_of(i, v, j, edge);
           if (t.gap < margin && t.gap > -depth) out.touches.push_back(t);
         }
       }
@@ -218,17 +218,17 @@ EntranceLines entrance_lines(const Wedge& i, const Wedge& j) {
   return lines;
 }
 
-void find_touches(const Placed& i, const Placed& j, const Reach& reach, const Drift& drift, std::vector<Touch>& out,
-                  std::vector<CornerChoice>& choices) {
+void find_candidates(const Placed& i, const Placed& j, const Reach& reach, const Drift& drift,
+                     std::vector<ContactCandidate>& out, std::vector<CornerChoice>& choices) {
   if (!overlap_boxes(i.box, j.box, std::max(reach.margin, reach.near))) return;
   const std::size_t first = out.size();
   Found found{out, choices};
   one_direction(i, j, reach, drift, true, found);
   one_direction(j, i, reach, drift, false, found);
   // Two corners may hold each other twice where an edge passes through both: keep one a place and line.
-  std::vector<Touch> kept;
+  std::vector<ContactCandidate> kept;
   for (std::size_t k = first; k < out.size(); ++k) {
-    const bool again = std::ranges::any_of(kept, [&](const Touch& t) {
+    const bool again = std::ranges::any_of(kept, [&](const ContactCandidate& t) {
       return norm(t.point - out[k].point) < reach.near && std::abs(cross(t.normal, out[k].normal)) < 1e-6;
     });
     if (!again) kept.push_back(out[k]);
@@ -237,7 +237,7 @@ void find_touches(const Placed& i, const Placed& j, const Reach& reach, const Dr
   out.insert(out.end(), kept.begin(), kept.end());
 }
 
-void renew_touch(Touch& touch, std::span<const Vec2> corners_i, std::span<const Vec2> corners_j) {
+void update_candidate(ContactCandidate& touch, std::span<const Vec2> corners_i, std::span<const Vec2> corners_j) {
   touch.point = corners_i[touch.vertex];
   const Against a = against(corners_j, touch.edge, touch.point);
   touch.gap = a.gap;
@@ -246,8 +246,10 @@ void renew_touch(Touch& touch, std::span<const Vec2> corners_i, std::span<const 
   touch.tilt = 0;
 }
 
-std::optional<Touch> line_crossed(const CornerChoice& choice, const CornerChoice& after, double rounding) {
-  const auto keeps = [&](const Touch& was, const Touch& is) { return is.gap >= std::min(was.gap, 0.0) - rounding; };
+std::optional<ContactCandidate> line_crossed(const CornerChoice& choice, const CornerChoice& after, double rounding) {
+  const auto keeps = [&](const ContactCandidate& was, const ContactCandidate& is) {
+    return is.gap >= std::min(was.gap, 0.0) - rounding;
+  };
   if (keeps(choice.first, after.first) || keeps(choice.last, after.last)) return std::nullopt;
   const double a = behind(choice.first.gap, after.first.gap, rounding).since;
   const double b = behind(choice.last.gap, after.last.gap, rounding).since;
@@ -339,12 +341,6 @@ Overlap overlap(const Placed& i, const Placed& j, double tolerance) {
     if (depth > tolerance) worst = {depth, middle};
   }
   return worst;
-}
-
-Box2 box_of(std::span<const Vec2> corners) {
-  Box2 box;
-  for (const Vec2 c : corners) box.add(c);
-  return box;
 }
 
 }  // namespace cleave::dbem

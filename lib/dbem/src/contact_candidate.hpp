@@ -32,7 +32,7 @@ struct EntranceLines {
 constexpr std::uint32_t no_tie = static_cast<std::uint32_t>(-1);
 
 /// Corner `vertex` of body i against edge `edge` (from corner `edge` to the next) of body j.
-struct Touch {
+struct ContactCandidate {
   std::uint32_t i, vertex, j, edge;
   double gap;       ///< m, negative: penetration
   double ratio;     ///< of the foot along the edge, 0 .. 1
@@ -42,16 +42,15 @@ struct Touch {
   /// Not a contact but a bar: `normal` points from its end on `i` to that on `j`, `gap` is by how much it is slack;
   /// `vertex` and `edge` are the edges its ends lie nearest to.
   std::uint32_t tie = no_tie;
-  friend bool operator==(const Touch&, const Touch&) = default;
+  friend bool operator==(const ContactCandidate&, const ContactCandidate&) = default;
 };
 
 /// Two corners that nothing tells the line of yet: they lie over one another and stay there as far as is known, or pass
 /// each other by. Only the motion tells whether they meet, and on which of the two lines.
 struct CornerChoice {
-  Touch first, last;
+  ContactCandidate first, last;
 };
 
-[[nodiscard]] Box2 box_of(std::span<const Vec2> corners);
 [[nodiscard]] inline bool overlap_boxes(const Box2& a, const Box2& b, double margin = 0) {
   return a.low.x - margin <= b.high.x && b.low.x - margin <= a.high.x && a.low.y - margin <= b.high.y &&
          b.low.y - margin <= a.high.y;
@@ -86,15 +85,16 @@ struct Reach {
 /// Appends every contact of the two bodies. `drift` (of i relative to j) decides between two entrance lines with equal
 /// gaps. Edge against edge gives the two ends of the common interval; a corner in a concave corner gives both edges.
 /// Corners that are no contact yet go to `choices`.
-void find_touches(const Placed& i, const Placed& j, const Reach& reach, const Drift& drift, std::vector<Touch>& out,
-                  std::vector<CornerChoice>& choices);
+void find_candidates(const Placed& i, const Placed& j, const Reach& reach, const Drift& drift,
+                     std::vector<ContactCandidate>& out, std::vector<CornerChoice>& choices);
 
 /// Gap, foot, normal and point of a known pair of corner and edge at new places of the corners.
-void renew_touch(Touch& touch, std::span<const Vec2> corners_i, std::span<const Vec2> corners_j);
+void update_candidate(ContactCandidate& touch, std::span<const Vec2> corners_i, std::span<const Vec2> corners_j);
 
 /// The line of a choice that was crossed last on the way from the gaps it was made with to those of `after`: the two
 /// corners have come in there, or farther in. Nothing while one line holds but for `rounding`.
-[[nodiscard]] std::optional<Touch> line_crossed(const CornerChoice& choice, const CornerChoice& after, double rounding);
+[[nodiscard]] std::optional<ContactCandidate> line_crossed(const CornerChoice& choice, const CornerChoice& after,
+                                                           double rounding);
 
 /// The edge of a polygon that moves from `before` to `after` which a point moving from `from` to `to` crosses first
 /// from outside (or from a penetration of `rounding`).
