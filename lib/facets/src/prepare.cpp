@@ -111,7 +111,6 @@ Preparation::Done Preparation::add_solid(const geometry::Solid& solid, Owner own
     if (snapper_.active()) snapper_.remember(*polygon, !clips);
     if (clips) continue;
     surfaces_.add(*polygon, owner == Owner::domain);
-    if (snapper_.active()) within_snap_.add(*polygon, owner == Owner::domain);
   }
   return {};
 }
@@ -130,8 +129,8 @@ Preparation::Done Preparation::add_solids() {
   });
   if (touch_) builder_.adoption_margin_ += 2000 * touch_->reach() / lattice_.pitch() * lattice_unit;
   const double reach = std::max(roundings(), 2 * geometry::opening_quantum.si() / lattice_.pitch());
-  surfaces_.finish(reach);
-  within_snap_.finish(std::max(reach, input_.snap.si() / lattice_.pitch()));
+  on_surfaces_.emplace(surfaces_, reach);
+  if (snapper_.active()) within_snap_.emplace(surfaces_, std::max(reach, input_.snap.si() / lattice_.pitch()));
   return {};
 }
 
@@ -198,21 +197,22 @@ void Preparation::touch_domain() {
 void Preparation::touch_surfaces() {
   for (std::size_t k = 0; k < polygons_.size(); ++k) {
     const JointPolygon& entry = polygons_[k];
-    if (beside_[k] != 0 || !(surfaces_.near(entry.corners) || within_snap_.near(entry.corners))) continue;
+    const auto may_touch = [&](const auto& surfaces) { return surfaces && surfaces->near(entry.corners); };
+    if (beside_[k] != 0 || !(may_touch(on_surfaces_) || may_touch(within_snap_))) continue;
     const std::vector<std::size_t> shared = shared_.among(entry.corners);
     const auto polygon = make_lattice_polygon(entry.corners, shared);
     if (!polygon) continue;
     const bool by_corners = snapper_.active() && (!polygon->convex || !shared.empty());
-    (by_corners ? within_snap_ : surfaces_).look(*polygon);
+    (by_corners ? within_snap_ : on_surfaces_)->look(*polygon);
   }
-  move_beyond(surfaces_);
-  move_beyond(within_snap_);
+  move_beyond(*on_surfaces_);
+  if (within_snap_) move_beyond(*within_snap_);
 }
 
 /// What ends on another joint, from the side on which it lies.
 void Preparation::touch_joints() {
   if (endings_.empty()) return;
-  SurfaceTouch others;
+  SurfaceFaces faces;
   const auto for_each_polygon = [&](Index joint, const auto& visit) {
     for (const JointPolygon& entry : std::ranges::equal_range(polygons_, joint, {}, &JointPolygon::joint)) {
       if (const auto polygon = make_lattice_polygon(entry.corners, shared_.among(entry.corners))) visit(*polygon);
@@ -224,10 +224,10 @@ void Preparation::touch_joints() {
   const auto again = std::ranges::unique(on);
   on.erase(again.begin(), again.end());
   for (const Index other : on) {
-    for_each_polygon(other, [&](const LatticePolygon& polygon) { others.add(polygon, other); });
-    if (const auto plane = builder_.plane_of_joint(other)) others.add(out_.planes[*plane], other);
+    for_each_polygon(other, [&](const LatticePolygon& polygon) { faces.add(polygon, other); });
+    if (const auto plane = builder_.plane_of_joint(other)) faces.add(out_.planes[*plane], other);
   }
-  others.finish(roundings());
+  SurfaceTouch others{faces, roundings()};
   for (std::size_t first = 0, last = 0; first < endings_.size(); first = last) {
     const Index joint = endings_[first].joint;
     on.clear();

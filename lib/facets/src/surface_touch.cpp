@@ -30,12 +30,12 @@ Vec3 middle_of(const LatticePolygon& polygon) {
 
 }  // namespace
 
-void SurfaceTouch::add_triangles(const LatticePolygon& face) {
-  const auto number = static_cast<std::uint32_t>(faces_.size()) - 1;
+void SurfaceFaces::add_triangles(const LatticePolygon& face) {
+  const auto number = static_cast<std::uint32_t>(faces.size()) - 1;
   const auto add = [&](LatticePoint a, LatticePoint b, LatticePoint c) {
     const std::array corners{as_vec3(a), as_vec3(b), as_vec3(c)};
     const bool flat = !(geometry::norm(cross(corners[1] - corners[0], corners[2] - corners[0])) > 0);
-    if (!flat) triangles_.push_back({corners, number});
+    if (!flat) triangles.push_back({corners, number});
   };
   if (face.convex) {
     for (std::size_t i = 1; i + 1 < face.corners.size(); ++i)
@@ -45,28 +45,27 @@ void SurfaceTouch::add_triangles(const LatticePolygon& face) {
   for (const auto& [a, b, c] : triangulate(face)) add(face.corners[a], face.corners[b], face.corners[c]);
 }
 
-void SurfaceTouch::add(const LatticePolygon& face, bool rock_behind) {
+void SurfaceFaces::add(const LatticePolygon& face, bool rock_behind) {
   const Vec3 out = (rock_behind ? 1 : -1) * normal_of(face.plane);
-  faces_.push_back({face.plane, out, dot(out, as_vec3(face.corners[0]))});
+  faces.push_back({face.plane, out, dot(out, as_vec3(face.corners[0]))});
   add_triangles(face);
 }
 
-void SurfaceTouch::add(const LatticePolygon& face, Index joint) {
+void SurfaceFaces::add(const LatticePolygon& face, Index joint) {
   const Vec3 normal = normal_of(face.plane);
-  faces_.push_back({face.plane, normal, dot(normal, as_vec3(face.corners[0])), joint});
+  faces.push_back({face.plane, normal, dot(normal, as_vec3(face.corners[0])), joint});
   add_triangles(face);
 }
 
-void SurfaceTouch::add(const Plane& plane, Index joint) {
+void SurfaceFaces::add(const Plane& plane, Index joint) {
   const auto& a = plane.approx();
   const double length = std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-  endless_.push_back(static_cast<std::uint32_t>(faces_.size()));
-  faces_.push_back({plane, normal_of(plane), std::ldexp(-a[3] / length, 48), joint});
+  endless.push_back(static_cast<std::uint32_t>(faces.size()));
+  faces.push_back({plane, normal_of(plane), std::ldexp(-a[3] / length, 48), joint});
 }
 
-void SurfaceTouch::finish(double reach) {
-  reach_ = reach;
-  for (const Triangle& triangle : triangles_) {
+SurfaceTouch::SurfaceTouch(const SurfaceFaces& on, double reach) : on_{on}, reach_{reach} {
+  for (const SurfaceFaces::Triangle& triangle : on_.triangles) {
     geometry::Box box;
     for (const Vec3& corner : triangle.corners) box.add(corner);
     boxes_.push_back(box.grown(reach + 1));
@@ -74,14 +73,14 @@ void SurfaceTouch::finish(double reach) {
   if (!boxes_.empty()) tree_.emplace(boxes_);
 }
 
-bool SurfaceTouch::in_plane(const Face& face, Vec3 a, Vec3 b) const {
+bool SurfaceTouch::in_plane(const SurfaceFaces::Face& face, Vec3 a, Vec3 b) const {
   const auto off = [&](Vec3 p) { return std::abs(dot(face.normal, p) - face.offset); };
   return off(a) <= reach_ && off(b) <= reach_;
 }
 
 /// Whether a side lies in the plane of a face, and on this part of it with more than a point.
-bool SurfaceTouch::holds(const Triangle& triangle, Vec3 a, Vec3 b) const {
-  if (!in_plane(faces_[triangle.face], a, b)) return false;
+bool SurfaceTouch::holds(const SurfaceFaces::Triangle& triangle, Vec3 a, Vec3 b) const {
+  if (!in_plane(on_.faces[triangle.face], a, b)) return false;
   const auto& [p, q, r] = triangle.corners;
   const Vec3 normal = cross(q - p, r - p);
   double from = 0, to = 1;  // what lies within its three sides
@@ -98,7 +97,7 @@ bool SurfaceTouch::holds(const Triangle& triangle, Vec3 a, Vec3 b) const {
 }
 
 bool SurfaceTouch::near(std::span<const LatticePoint> corners) const {
-  bool any = !endless_.empty();
+  bool any = !on_.endless.empty();
   if (tree_) tree_->overlapping(box_of(corners, 1), [&](std::uint32_t) { any = true; });
   return any;
 }
@@ -109,7 +108,7 @@ std::vector<std::uint32_t> SurfaceTouch::near(const LatticePolygon& polygon, std
   if (!tree_) return found;
   const Vec3 normal = normal_of(polygon.plane);
   tree_->overlapping(box_of(polygon.corners, 1), [&](std::uint32_t triangle) {
-    const Face& face = faces_[triangles_[triangle].face];
+    const SurfaceFaces::Face& face = on_.faces[on_.triangles[triangle].face];
     if (!joints.empty() && !std::ranges::binary_search(joints, face.joint)) return;
     const bool along = geometry::norm(cross(normal, face.normal)) < least_sine;
     if (face.joint == none || !along) found.push_back(triangle);
@@ -136,7 +135,7 @@ void SurfaceTouch::look(const LatticePolygon& polygon, std::span<const Index> jo
     bool exact = polygon.exactly_planar, ends = false;
     const std::size_t before = touching_.size();
     const auto touches = [&](std::uint32_t number) {
-      const Face& face = faces_[number];
+      const SurfaceFaces::Face& face = on_.faces[number];
       ends = ends || geometry::norm(cross(normal, face.normal)) >= least_sine;
       exact = exact && face.plane.side_of(a) == Sign::zero && face.plane.side_of(b) == Sign::zero;
       const bool against = face.joint != none && dot(face.normal, middle) > face.offset;
@@ -144,12 +143,12 @@ void SurfaceTouch::look(const LatticePolygon& polygon, std::span<const Index> jo
       touching_.push_back({b, number, against});
     };
     for (const std::uint32_t triangle : triangles) {
-      if (holds(triangles_[triangle], from, to)) touches(triangles_[triangle].face);
+      if (holds(on_.triangles[triangle], from, to)) touches(on_.triangles[triangle].face);
     }
-    for (const std::uint32_t face : endless_) {
-      if (!joints.empty() && !std::ranges::binary_search(joints, faces_[face].joint)) continue;
-      const bool along = geometry::norm(cross(normal, faces_[face].normal)) < least_sine;
-      if (!along && in_plane(faces_[face], from, to)) touches(face);
+    for (const std::uint32_t face : on_.endless) {
+      if (!joints.empty() && !std::ranges::binary_search(joints, on_.faces[face].joint)) continue;
+      const bool along = geometry::norm(cross(normal, on_.faces[face].normal)) < least_sine;
+      if (!along && in_plane(on_.faces[face], from, to)) touches(face);
     }
     // It reaches them as it is, or lies along them.
     if (exact || !ends) touching_.resize(before, {{}, 0, false});
@@ -163,7 +162,7 @@ LatticePoint SurfaceTouch::beyond(LatticePoint corner, std::span<const Touching>
   for (int round = 0; round < most_rounds && moved; ++round) {
     moved = false;
     for (const Touching& touching : on) {
-      const Face& face = faces_[touching.face];
+      const SurfaceFaces::Face& face = on_.faces[touching.face];
       const double sense = touching.against ? -1 : 1;
       const double lacking = sense * (face.offset - dot(face.normal, as_vec3(corner))) + margin;
       if (lacking <= 1) continue;

@@ -159,9 +159,10 @@ class Preparation {
   Snapper snapper_;
   FacetBuilder builder_;
   std::optional<DomainTouch> touch_;
-  SurfaceTouch surfaces_;             ///< of excavations, and of a domain that is not convex
-  SurfaceTouch within_snap_;          ///< the same, for polygons whose sides cannot all adopt planes
-  std::vector<LatticePoint> beyond_;  ///< corners that were moved beyond these, sorted
+  SurfaceFaces surfaces_;                    ///< of excavations, and of a domain that is not convex
+  std::optional<SurfaceTouch> on_surfaces_;  ///< within roundings
+  std::optional<SurfaceTouch> within_snap_;  ///< with `snap`, for polygons whose sides cannot all adopt planes
+  std::vector<LatticePoint> beyond_;         ///< corners that were moved beyond these, sorted
   SharedCorners shared_;
   std::vector<JointPolygon> polygons_;
   std::vector<std::uint8_t> beside_;          ///< polygons that miss the window, or that snap has left nothing of
