@@ -108,7 +108,7 @@ TEST(Spin, ADiscCarriesTheStressOfItsInertia) {
 }
 
 TEST(AxialWave, NewmarkOfTheSourceIsDampedAndEveryStepIsStable) {
-  const BlockOperator b = column(0.25, BlockOptions::by_mesh);
+  const BlockOperator b = column(0.25, std::nullopt);
   const Modes modes = supported_modes(b, base_of(b));
   const auto peak = [&](Scheme s, double step, double until) {
     Vibration motion{b, modes, s, step, {}, {{top_load(b, {0, 1}), [](double) { return 1.0; }, false}}};

@@ -203,15 +203,15 @@ inline stability::Judgement judgement(std::uint32_t block, stability::Mode mode,
 
 /// A joint of a set with friction `tangent`.
 inline scene::JointInfo joint(Vec3 normal, std::uint32_t set, double tangent = 0.5) {
-  return {.set = scene::SetId{set},
-          .origin = scene::JointOrigin::drawn,
-          .source = {},
-          .strength = {.friction = FrictionAngle::degrees(std::atan(tangent) * 180 / std::numbers::pi),
-                       .cohesion = {},
-                       .tension = {}},
-          .normal = normal,
-          .dip = {},
-          .dip_direction = {}};
+  return {
+      .set = scene::SetId{set},
+      .origin = scene::JointOrigin::drawn,
+      .source = {},
+      .strength =
+          stability::JointStrength::make(FrictionAngle::degrees(std::atan(tangent) * 180 / std::numbers::pi)).value(),
+      .normal = normal,
+      .dip = {},
+      .dip_direction = {}};
 }
 
 }  // namespace cleave::report::testing

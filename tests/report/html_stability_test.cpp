@@ -118,7 +118,7 @@ TEST(HtmlStability, WeightIsDrawnAlongGravity) {
     return block.substr(0, block.find("equal area"));
   };
   EXPECT_NE(drawing().find(">Q</text>"), std::string::npos);  // gravity straight down: something else pulls aside
-  t.result.stability = scene::StabilitySettings{.gravity = {6, 0, -8}};
+  t.result.stability = scene::StabilitySettings{.loads = {.body = stability::Loads::make({6, 0, -8}).value()}};
   const std::string along = drawing();
   EXPECT_EQ(along.find(">Q</text>"), std::string::npos);
   EXPECT_NE(along.find(">W</text>"), std::string::npos);

@@ -34,9 +34,9 @@ struct Example {
     result.figures.blocks = scene::count_blocks(complex, "0123abcd");
     result.complex.error().passed = true;
     result.figures.key_blocks = scene::count_key_blocks(*result.analysis);
-    result.plan.stages = {{.stage = scene::Stage::cut, .run = true, .why = "always"},
-                          {.stage = scene::Stage::contact, .run = false, .why = "no bodies"}};
-    result.cost.stages = {{.stage = scene::Stage::cut, .wall_s = 0.5, .cpu_s = 0.4, .peak_rss_mb = 12}};
+    result.plan.steps = {{.step = scene::Step::cut, .run = true, .why = "always"},
+                         {.step = scene::Step::contact, .run = false, .why = "no bodies"}};
+    result.cost.steps = {{.step = scene::Step::cut, .wall_s = 0.5, .cpu_s = 0.4, .peak_rss_mb = 12}};
     result.figures.input.joints = 2;
     result.scene_file = "tunnel.toml";
     result.notes = {"joint 7 lies outside the domain"};
@@ -239,7 +239,7 @@ TEST(Html, PictureOfABlockDoesNotDependOnTheOrigin) {
 TEST(Html, WithoutBlocksThereIsStillAReport) {
   scene::RunResult result = scene::empty_result();
   result.title = "Failed";
-  result.plan.stages = {{.stage = scene::Stage::cut, .run = true, .why = "always"}};
+  result.plan.steps = {{.step = scene::Step::cut, .run = true, .why = "always"}};
   const std::string html = report_html({result});
   EXPECT_NE(html.find("not passed"), std::string::npos);
   EXPECT_EQ(html.find("id=\"view\""), std::string::npos);

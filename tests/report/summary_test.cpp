@@ -26,13 +26,13 @@ scene::RunResult example() {
   r.title = "Tunnel \"A\"";
   r.seed = 18446744073709551615U;
   r.scene_sha256 = "00ff";
-  r.plan.stages = {{.stage = scene::Stage::cut, .run = true, .why = "asked for"},
-                   {.stage = scene::Stage::stability, .run = false, .why = "nothing is free"}};
+  r.plan.steps = {{.step = scene::Step::cut, .run = true, .why = "asked for"},
+                  {.step = scene::Step::stability, .run = false, .why = "nothing is free"}};
   r.cost = {.wall_s = 1.5,
             .cpu_s = 2.5,
             .peak_rss_mb = 100,
             .threads = 2,
-            .stages = {{.stage = scene::Stage::cut, .wall_s = 1, .cpu_s = 2, .peak_rss_mb = 90}}};
+            .stages = {{.step = scene::Step::cut, .wall_s = 1, .cpu_s = 2, .peak_rss_mb = 90}}};
   r.figures.input = {{.joints = 3, .lattice_pitch_m = 0x1p-41, .largest_snap_m = 1e-13, .merged_planes = 0}};
   r.figures.blocks =
       scene::BlockFigures{.count = 8, .volume_m3 = 8, .domain_volume_m3 = 8, .hash = "abc", .exact_share = 0.25};

@@ -177,9 +177,9 @@ TEST(BodiesScene, PlanSaysWhatIsLeftOut) {
   const auto scene = parse_bodies(
       rock + "[[body]]\noutline = [[0, 0], [1, 0], [1, 1]]\nsupport = [{ side = 1, kind = \"fixed\" }]\n", "s.toml");
   const Plan plan = make_plan(*scene);
-  EXPECT_TRUE(plan.runs(Stage::elastic));
-  EXPECT_FALSE(plan.runs(Stage::cut));
-  const auto elastic = std::ranges::find(plan.stages, Stage::elastic, &PlannedStage::stage);
+  EXPECT_TRUE(plan.runs(Step::elastic));
+  EXPECT_FALSE(plan.runs(Step::cut));
+  const auto elastic = std::ranges::find(plan.steps, Step::elastic, &PlannedStep::step);
   EXPECT_NE(elastic->why.find("no mass, no inner points, no cells, no time steps"), std::string::npos);
 }
 

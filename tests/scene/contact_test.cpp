@@ -148,7 +148,7 @@ TEST(ContactScene, ThePlanCountsTheElements) {
            "[[body]]\nrectangle = { corner = [0, 3], width = 1, height = 1 }\n";
   };
   const auto said = [](const Plan& plan) {
-    return std::ranges::find(plan.stages, Stage::contact, &PlannedStage::stage)->why;
+    return std::ranges::find(plan.steps, Step::contact, &PlannedStep::step)->why;
   };
   const Plan coarse = make_plan(parsed(text("0.5", "false"))), fine = make_plan(parsed(text("0.02", "false")));
   EXPECT_TRUE(said(coarse).contains("; 20 boundary elements in 2 shapes")) << said(coarse);
@@ -258,17 +258,17 @@ TEST(ContactScene, PlanSaysRigidOrElasticAndWhy) {
   EXPECT_NE(why("[rock]\nyoung = 20e6\npoisson = 0.2\n" + motion + "rigid = true\n").find("rigid = true"),
             std::string::npos);
   const Plan plan = make_plan(parsed(motion + block));
-  EXPECT_TRUE(plan.runs(Stage::contact));
-  EXPECT_FALSE(plan.runs(Stage::elastic));
-  EXPECT_FALSE(plan.runs(Stage::cut));
+  EXPECT_TRUE(plan.runs(Step::contact));
+  EXPECT_FALSE(plan.runs(Step::elastic));
+  EXPECT_FALSE(plan.runs(Step::cut));
 }
 
 // Unsupported scenes are legal: the block falls, exactly.
 TEST(ContactScene, PlanNamesTheFilesOfPointsOnlyWhereThereAreSome) {
   const std::string body = "[[body]]\nrectangle = { corner = [0, 0], width = 1, height = 1 }\n";
   const auto files = [&](const std::string& text) {
-    for (const PlannedStage& stage : make_plan(parsed(text)).stages) {
-      if (stage.stage == Stage::write) return stage.why;
+    for (const PlannedStep& planned : make_plan(parsed(text)).steps) {
+      if (planned.step == Step::write) return planned.why;
     }
     return std::string{};
   };

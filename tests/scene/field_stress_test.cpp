@@ -161,7 +161,7 @@ TEST(FieldStressScene, ForcesOnTheFacesOfARoofBlockAreKirschs) {
   EXPECT_EQ(r.field_stress->held, 1U);
   EXPECT_TRUE(
       std::ranges::any_of(r.notes, [](const std::string& n) { return n.starts_with("field stress: 1 unstable"); }));
-  EXPECT_TRUE(r.plan.runs(Stage::elastic));
+  EXPECT_TRUE(r.plan.runs(Step::elastic));
 }
 
 // Semi-apex angle 30 degrees: with less friction than that the stress squeezes the prism out (Crawford and Bray 1983),

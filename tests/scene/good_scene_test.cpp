@@ -25,7 +25,7 @@ TEST(SceneTest, SmallestSceneHasTheDefaultsOfTheContract) {
   EXPECT_DOUBLE_EQ(scene.domain.volume().si(), 384);
   EXPECT_TRUE(scene.joints.empty());
   EXPECT_FALSE(scene.stability.has_value());
-  EXPECT_EQ(scene.rock.density, kilograms_per_cubic_metre(2700));
+  EXPECT_EQ(scene.rock.mass.density(), kilograms_per_cubic_metre(2700));
   EXPECT_TRUE(scene.output.vtu && scene.output.csv && scene.output.report);
   ASSERT_EQ(scene.notes.size(), 1U);
   EXPECT_EQ(describe(scene.notes[0]),
@@ -264,8 +264,8 @@ TEST(SceneTest, NumbersMayBeTextsWithAUnit) {
   EXPECT_EQ(joint.cohesion.mean, 50e3);
   EXPECT_EQ(joint.tension.mean, 10e3);
   EXPECT_EQ(joint.friction.min, 20);
-  EXPECT_DOUBLE_EQ(scene.rock.density.si(), 26000 / 9.81);
-  EXPECT_EQ(scene.stability->loads.water->unit_weight.si(), 9810);
+  EXPECT_DOUBLE_EQ(scene.rock.mass.density().si(), 26000 / 9.81);
+  EXPECT_EQ(scene.stability->loads.actions.spec().water->unit_weight.si(), 9810);
   EXPECT_EQ(scene.support->plan.shotcrete->thickness.si(), 0.075);
   EXPECT_EQ(scene.support->plan.spot->type.tendon.si(), 200e3);
   EXPECT_EQ(scene.support->plan.spot->type.anchorage.si(), 0.5);
@@ -331,9 +331,9 @@ TEST(SceneTest, FreeFacesAndGravity) {
                         "partial = { friction = 1.25 }\n"));
   EXPECT_EQ(scene.free_domain_tags, (std::vector<std::uint32_t>{5, 0}));
   ASSERT_TRUE(scene.stability.has_value());
-  EXPECT_EQ(scene.stability->gravity, (geometry::Vec3{0, 0, -9.8}));
-  EXPECT_EQ(scene.stability->partial.friction, 1.25);
-  EXPECT_EQ(scene.stability->partial.weight, 1.0);
+  EXPECT_EQ(scene.stability->loads.body.gravity(), (geometry::Vec3{0, 0, -9.8}));
+  EXPECT_EQ(scene.stability->partial.friction(), 1.25);
+  EXPECT_EQ(scene.stability->partial.weight(), 1.0);
 }
 
 TEST(SceneTest, TunnelsHaveTheVolumeOfTheirSection) {
@@ -379,20 +379,20 @@ TEST(SceneTest, NestedValuesDoNotOverflowTheStack) {
 
 TEST(PlanTest, SaysWhatIsLeftOutAndWhy) {
   const Plan plan = make_plan(scene_of(box));
-  ASSERT_EQ(plan.stages.size(), all_stages.size());
-  for (std::size_t i = 0; i < all_stages.size(); ++i) EXPECT_EQ(plan.stages[i].stage, all_stages[i]);
-  EXPECT_TRUE(plan.runs(Stage::cut) && plan.runs(Stage::audit) && plan.runs(Stage::write) && plan.runs(Stage::report));
-  EXPECT_FALSE(plan.runs(Stage::draw) || plan.runs(Stage::stability) || plan.runs(Stage::monte_carlo));
-  const auto stability = std::ranges::find(plan.stages, Stage::stability, &PlannedStage::stage);
+  ASSERT_EQ(plan.steps.size(), all_steps.size());
+  for (std::size_t i = 0; i < all_steps.size(); ++i) EXPECT_EQ(plan.steps[i].step, all_steps[i]);
+  EXPECT_TRUE(plan.runs(Step::cut) && plan.runs(Step::audit) && plan.runs(Step::write) && plan.runs(Step::report));
+  EXPECT_FALSE(plan.runs(Step::draw) || plan.runs(Step::stability) || plan.runs(Step::monte_carlo));
+  const auto stability = std::ranges::find(plan.steps, Step::stability, &PlannedStep::step);
   EXPECT_EQ(stability->why, "no excavation and no free face");
 }
 
 TEST(PlanTest, FreeFacesOrExcavationsAskForStability) {
-  EXPECT_TRUE(make_plan(scene_of(with_box("[stability]\nfree = [\"top\"]\n"))).runs(Stage::stability));
+  EXPECT_TRUE(make_plan(scene_of(with_box("[stability]\nfree = [\"top\"]\n"))).runs(Step::stability));
   EXPECT_TRUE(make_plan(scene_of(with_box(
                             "[[excavation]]\nkind = \"polyhedron\"\nbox = { min = [1, 1, 1], max = [2, 2, 2] }\n")))
-                  .runs(Stage::stability));
-  EXPECT_FALSE(make_plan(scene_of(with_box("[stability]\ngravity = 9.81\n"))).runs(Stage::stability));
+                  .runs(Step::stability));
+  EXPECT_FALSE(make_plan(scene_of(with_box("[stability]\ngravity = 9.81\n"))).runs(Step::stability));
 }
 
 const std::string random_sets = with_box(
@@ -408,7 +408,7 @@ TEST(DrawTest, EachJointHasItsOwnFriction) {
   ASSERT_EQ(drawn->joints.size(), 41U);
   ASSERT_EQ(drawn->input.joints.size(), 41U);
   std::vector<double> friction;
-  for (const JointInfo& joint : drawn->joints) friction.push_back(joint.strength.friction.degrees());
+  for (const JointInfo& joint : drawn->joints) friction.push_back(joint.strength.friction().degrees());
   EXPECT_EQ(drawn->joints.items()[0].origin, JointOrigin::measured);
   EXPECT_EQ(drawn->joints.items()[1].source, "A #1");
   std::ranges::sort(friction);
@@ -426,7 +426,7 @@ TEST(DrawTest, SameSeedSameJointsOtherSeedOthers) {
   ASSERT_TRUE(first && second && other);
   std::size_t equal = 0;
   for (const topology::JointId joint : first->joints.ids()) {
-    EXPECT_EQ(first->joints[joint].strength.friction, second->joints[joint].strength.friction);
+    EXPECT_EQ(first->joints[joint].strength.friction(), second->joints[joint].strength.friction());
     EXPECT_EQ(first->joints[joint].normal, second->joints[joint].normal);
     equal += first->joints[joint].normal == other->joints[joint].normal ? 1U : 0U;
   }

@@ -47,28 +47,29 @@ TEST(LoadsSceneTest, CasesAddUpToTheBaseCase) {
   const Scene scene = scene_of(rock);
   ASSERT_TRUE(scene.stability.has_value());
   const StabilitySettings& s = *scene.stability;
-  EXPECT_EQ(s.seismic, (geometry::Vec3{0.1, 0, 0}));
+  EXPECT_EQ(s.loads.body.seismic(), (geometry::Vec3{0.1, 0, 0}));
   ASSERT_TRUE(s.target.has_value());
   EXPECT_EQ(s.target->falling, 1.5);
   EXPECT_EQ(s.target->sliding, 1.2);
-  EXPECT_EQ(s.loads.water->level, 5);
+  EXPECT_EQ(s.loads.actions.spec().water->level, 5);
   ASSERT_EQ(s.cases.size(), 2U);
   const LoadSet& rain = s.cases[0].loads;
-  EXPECT_EQ(rain.water->level, 5.5);
-  EXPECT_EQ(rain.water->unit_weight.si(), 10e3);
-  EXPECT_EQ(rain.seismic, (geometry::Vec3{0.1, 0, 0}));
-  EXPECT_EQ(rain.surcharges.size(), 1U);
-  ASSERT_EQ(rain.points.size(), 1U);
+  EXPECT_EQ(rain.actions.spec().water->level, 5.5);
+  EXPECT_EQ(rain.actions.spec().water->unit_weight.si(), 10e3);
+  EXPECT_EQ(rain.body.seismic(), (geometry::Vec3{0.1, 0, 0}));
+  EXPECT_EQ(rain.actions.spec().surcharges.size(), 1U);
+  ASSERT_EQ(rain.actions.spec().points.size(), 1U);
   const LoadSet& quake = s.cases[1].loads;
-  EXPECT_EQ(quake.seismic, (geometry::Vec3{0.1, 0.2, 0}));
-  EXPECT_EQ(quake.water->unit_weight.si(), 5e3);
-  EXPECT_EQ(quake.points.at(0).force, (geometry::Vec3{0, 0, -500}));
+  EXPECT_EQ(quake.body.seismic(), (geometry::Vec3{0.1, 0.2, 0}));
+  EXPECT_EQ(quake.actions.spec().water->unit_weight.si(), 5e3);
+  EXPECT_EQ(quake.actions.spec().points.at(0).force, (geometry::Vec3{0, 0, -500}));
   EXPECT_EQ(scene.joints[0].own.friction->degrees(), 40);
   EXPECT_EQ(scene.joints[0].own.cohesion->si(), 5e3);
   const auto drawn = sample(scene);
   ASSERT_TRUE(drawn.has_value());
-  EXPECT_EQ(drawn->joints.items()[1].strength.jrc, 8);
-  EXPECT_EQ(drawn->joints.items()[0].strength.jrc, 0);
+  ASSERT_TRUE(drawn->joints.items()[1].strength.roughness().has_value());
+  EXPECT_EQ(drawn->joints.items()[1].strength.roughness()->jrc, 8);
+  EXPECT_FALSE(drawn->joints.items()[0].strength.roughness().has_value());
 }
 
 TEST(LoadsSceneTest, EveryCaseIsJudged) {

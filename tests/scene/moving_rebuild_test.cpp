@@ -14,7 +14,7 @@ using plane_runs::ran;
 
 std::string plan_of(const std::string& text) {
   std::string all;
-  for (const PlannedStage& stage : make_plan(*parse_bodies(text, "s.toml")).stages) all += stage.why + "\n";
+  for (const PlannedStep& planned : make_plan(*parse_bodies(text, "s.toml")).steps) all += planned.why + "\n";
   return all;
 }
 

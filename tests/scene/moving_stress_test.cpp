@@ -53,8 +53,8 @@ TEST(MovingStress, LeftOutWhenNothingAsksForIt) {
   EXPECT_TRUE(ran(head).bodies[0].stress_frames.empty());
   const auto scene = parse_bodies(head, "s.toml");
   bool said = false;
-  for (const PlannedStage& stage : make_plan(*scene).stages) {
-    said = said || stage.why.find("no stress on the boundary: nothing asks for it") != std::string::npos;
+  for (const PlannedStep& planned : make_plan(*scene).steps) {
+    said = said || planned.why.find("no stress on the boundary: nothing asks for it") != std::string::npos;
   }
   EXPECT_TRUE(said);
 }

@@ -115,8 +115,8 @@ TEST(PlannedCost, LiesWithinFiveTimesOfWhatExamplesTook) {
     EXPECT_LE(estimate.memory_mb, 5 * cost.memory_mb);
     EXPECT_GE(estimate.memory_mb, cost.memory_mb / 5);
     double seconds = estimate.seconds;
-    for (const PlannedStage& planned : plan->stages) {
-      if (planned.stage == Stage::stability || planned.stage == Stage::contact) seconds -= planned.seconds;
+    for (const PlannedStep& planned : plan->steps) {
+      if (planned.step == Step::stability || planned.step == Step::contact) seconds -= planned.seconds;
     }
     EXPECT_LE(seconds, 5 * cost.seconds);
     EXPECT_GE(seconds, cost.seconds / 5);

@@ -33,8 +33,8 @@ Draws draws_of(double correlation) {
   EXPECT_TRUE(drawn.has_value());
   Draws all;
   for (const JointInfo& joint : drawn->joints) {
-    all.friction.push_back(joint.strength.friction.degrees());
-    all.cohesion.push_back(joint.strength.cohesion.si());
+    all.friction.push_back(joint.strength.friction().degrees());
+    all.cohesion.push_back(joint.strength.cohesion().si());
   }
   return all;
 }

@@ -340,8 +340,8 @@ TEST(SupportTest, ShotcreteHoldsSmallFacesByTheirPerimeter) {
   plan.shotcrete = Shotcrete{.thickness = metres(0.07), .shear_strength = pascals(1e6)};
   const auto result = check_support(c.complex, c.with, c.analysis, plan);
   ASSERT_EQ(result.blocks.size(), 1U);
-  EXPECT_NEAR(result.blocks[0].factor_with_shotcrete, 196 / 12.46, 1e-6);
-  EXPECT_NEAR(result.blocks[0].needed_thickness, 1.5 * 12.46e3 / (2.8 * 1e6), 1e-9);
+  EXPECT_NEAR(result.blocks[0].factor_with_shotcrete.value(), 196 / 12.46, 1e-6);
+  EXPECT_NEAR(result.blocks[0].needed_thickness.value(), 1.5 * 12.46e3 / (2.8 * 1e6), 1e-9);
   EXPECT_EQ(result.blocks[0].held, Held::shotcrete);
   EXPECT_NEAR(result.blocks[0].factor_with_support.value(), 196 / 12.46, 1e-4);
   // Large faces too: what counts is the edge. Half the layer of what is needed does not do.
@@ -542,7 +542,7 @@ TEST(SupportTest, OneVerdictWithEverything) {
     const auto result = check_support(c.complex, c.with, c.analysis, plan);
     const SupportedBlock& block = result.blocks.at(0);
     EXPECT_NEAR(block.factor_with_bolts, 80.0 / 120, 1e-9);
-    EXPECT_NEAR(block.factor_with_shotcrete, 1, 1e-9);
+    EXPECT_NEAR(block.factor_with_shotcrete.value(), 1, 1e-9);
     EXPECT_NEAR(block.factor_with_support.value(), 200.0 / 120, 1e-5);
     EXPECT_EQ(block.held, target < 200.0 / 120 ? Held::together : Held::not_held) << target;
     EXPECT_EQ(block.held != Held::not_held, block.factor_with_support.value() >= target);

@@ -200,8 +200,8 @@ TEST(OrientationTest, ClustersAreFoundAndParallelJointsAreOneSet) {
   const Clustering three = cluster(normals, std::vector<double>(300, 1.0), 3);
   int wrong = 0;
   for (std::size_t i = 0; i < 300; ++i) {
-    if (three.set[i] == Clustering::unassigned) continue;
-    wrong += std::abs(dot(three.centres[three.set[i]], means[i % 3])) < 0.9 ? 1 : 0;
+    if (!three.set[i]) continue;
+    wrong += std::abs(dot(three.centres[*three.set[i]], means[i % 3])) < 0.9 ? 1 : 0;
   }
   EXPECT_EQ(wrong, 0);
   EXPECT_GT(three.silhouette, cluster(normals, std::vector<double>(300, 1.0), 2).silhouette);

@@ -8,6 +8,7 @@
 #include "balance.hpp"
 #include "branch.hpp"
 #include "cleave/core/assert.hpp"
+#include "cleave/core/fields.hpp"
 #include "settle.hpp"
 
 namespace cleave::assembly {
@@ -75,16 +76,7 @@ bool apart(double up, double moving) { return !(up <= 1.05 * moving); }
 
 }  // namespace
 
-std::string_view name(Verdict verdict) noexcept {
-  switch (verdict) {
-    case Verdict::certain: return "certain";
-    case Verdict::unsafe: return "unsafe";
-    case Verdict::in_doubt: return "in_doubt";
-    case Verdict::no_motion_found: return "no_motion_found";
-    case Verdict::stands: return "stands";
-  }
-  std::unreachable();
-}
+std::string_view name(Verdict verdict) noexcept { return enum_name(verdict); }
 
 Judged judge(const Assembly& assembly) {
   Judged out;

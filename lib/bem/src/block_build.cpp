@@ -298,8 +298,8 @@ InnerMotions inner_motions(const Mesh& mesh, const std::vector<DomainPoint>& poi
 }
 
 /// Four degrees with 8 elements, one more with every eight.
-std::size_t degree_of(const Mesh& mesh, std::size_t asked) {
-  if (asked != BlockOptions::by_mesh) return asked;
+std::size_t degree_of(const Mesh& mesh, std::optional<std::size_t> asked) {
+  if (asked) return *asked;
   return std::clamp<std::size_t>(3 + mesh.elements.size() / 8, 3, 8);
 }
 

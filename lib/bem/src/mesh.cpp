@@ -53,8 +53,8 @@ Mesh make_mesh(const std::vector<Loop>& loops, const MeshSize& size, Vec2 origin
     for (std::size_t s = 0; s < loop.size(); ++s) {
       const Side& side = loop[s];
       const double sweep = std::abs(sweep_of(loop, s));
-      std::size_t count = side.elements;
-      if (count == 0) {
+      std::size_t count = std::max<std::size_t>(1, side.elements.value_or(1));
+      if (!side.elements) {
         const double by_length = std::ceil(length_of(loop, s) / target - 1e-9);
         const double by_arc = std::ceil(sweep * (180 / std::numbers::pi) / size.arc_degrees - 1e-9);
         count = static_cast<std::size_t>(std::clamp(std::max(by_length, by_arc), 1.0, 1e5));

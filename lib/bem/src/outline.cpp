@@ -115,15 +115,16 @@ std::string describe(const OutlineError& error) {
       error);
 }
 
-Loop circle(Vec2 centre, double radius, bool clockwise, std::size_t condition, std::size_t elements) {
+Loop circle(Vec2 centre, double radius, bool clockwise, std::size_t condition, std::optional<std::size_t> elements) {
   const Vec2 r{radius, 0};
   const Vec2 up{0, clockwise ? -radius : radius};
-  const std::size_t half = elements == 0 ? 0 : std::max<std::size_t>(1, elements / 2);
+  std::optional<std::size_t> half;
+  if (elements) half = std::max<std::size_t>(1, *elements / 2);
   return {Side{.start = centre + r, .through = centre + up, .condition = condition, .elements = half},
           Side{.start = centre - r, .through = centre - up, .condition = condition, .elements = half}};
 }
 
-Loop polygon(const std::vector<Vec2>& corners, std::size_t condition, std::size_t elements) {
+Loop polygon(const std::vector<Vec2>& corners, std::size_t condition, std::optional<std::size_t> elements) {
   Loop loop;
   for (const Vec2 corner : corners) {
     loop.push_back(Side{.start = corner, .condition = condition, .elements = elements});

@@ -6,7 +6,8 @@
 namespace cleave::bem {
 namespace {
 
-Box2 box_of(const std::vector<Region>& regions) {
+/// Of points along the sides.
+Box2 sampled_box(const std::vector<Region>& regions) {
   Box2 box;
   for (const Region& region : regions) {
     for (const Loop& loop : region.loops) {
@@ -84,7 +85,7 @@ std::optional<SolveError> SystemBuilder::scale() {
       }
     }
   }
-  const Box2 box = box_of(problem_.regions);
+  const Box2 box = sampled_box(problem_.regions);
   system_.extent = problem_.extent;
   system_.origin = 0.5 * (box.low + box.high);
   // Four times the extent: lengths below one keep ln r of one sign and away from the degenerate scale.

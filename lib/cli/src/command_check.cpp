@@ -64,7 +64,7 @@ ExitCode plan_scene(const std::string& path) {
                    size.together.si() > 0.1
                        ? fmt::format(", with up to about {:.1g} s more for blocks judged together", size.together.si())
                        : "",
-                   plan->runs(scene::Stage::contact) && size.blocks_high > 0 ? "; motion is not in it" : "") +
+                   plan->runs(scene::Step::contact) && size.blocks_high > 0 ? "; motion is not in it" : "") +
                notes_of(loaded);
       },
       *scene));

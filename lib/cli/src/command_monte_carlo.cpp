@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cleave/core/cost.hpp"
+#include "cleave/core/fields.hpp"
 #include "cleave/core/progress.hpp"
 #include "cleave/core/version.hpp"
 #include "cleave/realize/monte_carlo.hpp"
@@ -30,7 +31,7 @@ using stochastic::Estimate;
 std::string figures_text(const report::MonteCarloPage& page) {
   const stochastic::Figures& f = page.result.figures;
   std::string text = fmt::format("{}\nrealizations {} ({}), seed {}\n", page.title, f.realizations,
-                                 name_of(page.result.stopped_by), page.seed);
+                                 enum_name(page.result.stopped_by), page.seed);
   for (const scene::ExcavationFigures& e : page.excavations) {
     text += say("excavated    {name}, {volume_m3:.6g} m3\n", e);
   }
@@ -43,7 +44,7 @@ std::string figures_text(const report::MonteCarloPage& page) {
     text += say("  P(key block above {volume_m3:g} m3){probability:>24.5g} [{low:.5g}, {high:.5g}]\n", e);
   }
   text += cost_line(page.cost);
-  for (const scene::StageSeconds& row : page.result.stages) {
+  for (const scene::StepSeconds& row : page.result.stages) {
     text += say("  {stage:<10} {thread_s:.2f} s of threads\n", group([&](auto& v) { report::fields(v, row); }));
   }
   return text;
@@ -96,14 +97,14 @@ ExitCode publish_monte_carlo(const scene::Scene& scene, scene::MonteCarloResult 
                              bool quiet, InterruptWatch* interrupts) {
   auto page = report::monte_carlo_page(scene, scene::cost_of(timer, threads), std::move(result));
   std::vector<MonteCarloFolder::File> files;
-  const auto step = [&](scene::Stage stage, const auto& make) {
-    if (!page.plan.runs(stage)) return;
-    timer.run(name_of(stage), [&] { files.push_back(make()); });
+  const auto write = [&](scene::Step step, const auto& make) {
+    if (!page.plan.runs(step)) return;
+    timer.run(name_of(step), [&] { files.push_back(make()); });
     page.cost = scene::cost_of(timer, threads);
   };
-  step(scene::Stage::write, [&]() -> MonteCarloFolder::File { return {"log.txt", log_text(page)}; });
-  step(scene::Stage::report,
-       [&]() -> MonteCarloFolder::File { return {"report.html", report::monte_carlo_html(page)}; });
+  write(scene::Step::write, [&]() -> MonteCarloFolder::File { return {"log.txt", log_text(page)}; });
+  write(scene::Step::report,
+        [&]() -> MonteCarloFolder::File { return {"report.html", report::monte_carlo_html(page)}; });
   if (std::string sizes = report::block_sizes_csv(page); scene.output.csv && !sizes.empty()) {
     files.push_back({"block_sizes.csv", std::move(sizes)});
   }

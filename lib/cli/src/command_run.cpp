@@ -143,7 +143,7 @@ ExitCode run_scene(RunArguments arguments) {
     return ExitCode::wrong_input;
   }
   const scene::Plan plan = std::visit([](const auto& loaded) { return make_plan(loaded); }, *scene);
-  if (plan.runs(scene::Stage::monte_carlo)) {
+  if (plan.runs(scene::Step::monte_carlo)) {
     return run_monte_carlo_scene(std::get<scene::Scene>(*scene), arguments, timer, progress, interrupts);
   }
   if (arguments.sharded) {

@@ -138,7 +138,7 @@ std::string log_of(const scene::RunResult& result) {
   text += "\nplan\n";
   text += describe(result.plan);
   text += "\ncost\n";
-  for (const scene::StageCost& cost : result.cost.stages) {
+  for (const scene::StepCost& cost : result.cost.steps) {
     text += say("  {stage:<12} {wall_s:>10.3f} s {cpu_s:>10.3f} s of CPU {peak_rss_mb:>8.0f} MB\n", cost);
   }
   text += "\nresult\n" + figures_of(result);

@@ -37,8 +37,8 @@ template <class Work>
 template <class Result>
 struct Files {
   using Written = std::expected<void, report::WriteError>;
-  std::function<Written(Result&, const std::filesystem::path&)> write;          ///< Stage::write
-  std::function<Written(const Result&, const std::filesystem::path&)> page;     ///< Stage::report
+  std::function<Written(Result&, const std::filesystem::path&)> write;          ///< Step::write
+  std::function<Written(const Result&, const std::filesystem::path&)> page;     ///< Step::report
   std::function<Written(const Result&, const std::filesystem::path&)> summary;  ///< last, with what the others cost
   std::function<std::string(const Result&)> log;
   std::function<std::string(const Result&)> figures;  ///< for the terminal
@@ -52,14 +52,14 @@ template <class Result>
                                               StageTimer& timer, Progress& progress, InterruptWatch& interrupts,
                                               bool quiet) {
   typename Files<Result>::Written written;
-  const auto step = [&](scene::Stage stage, const auto& write) {
-    if (!written || !result.plan.runs(stage)) return;
-    progress.begin(name_of(stage));
-    written = timer.run(name_of(stage), [&] { return write(result, out.folder()); });
+  const auto make = [&](scene::Step step, const auto& write) {
+    if (!written || !result.plan.runs(step)) return;
+    progress.begin(name_of(step));
+    written = timer.run(name_of(step), [&] { return write(result, out.folder()); });
     result.cost = scene::cost_of(timer, result.cost.threads);
   };
-  step(scene::Stage::write, files.write);
-  step(scene::Stage::report, files.page);
+  make(scene::Step::write, files.write);
+  make(scene::Step::report, files.page);
   progress.end();
   if (written) written = report::write_file(out.folder() / "log.txt", files.log(result));
   if (written && !files.scene_text.empty()) {

@@ -27,6 +27,8 @@ double student_t_quantile(double p, double degrees) {
 
 double normal_cdf(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
 
+double normal_density(double z) { return std::exp(-z * z / 2) / std::sqrt(2 * std::numbers::pi); }
+
 double chi_squared_quantile(double p, double degrees) {
   CLEAVE_ASSERT(p >= 0 && p < 1 && degrees > 0);
   return 2 * gamma_below_inverse(degrees / 2, p);

@@ -24,11 +24,8 @@ constexpr double least_share = 1e-12;  // of a law between its limits
 double normal_between(double a, double b) {
   return a > 0 ? special::normal_cdf(-a) - special::normal_cdf(-b) : special::normal_cdf(b) - special::normal_cdf(a);
 }
-double normal_density(double z) {
-  return std::isinf(z) ? 0 : std::exp(-0.5 * z * z) * (0.5 * std::numbers::inv_sqrtpi * std::numbers::sqrt2);
-}
 /// z times the density, 0 at infinity.
-double density_moment(double z) { return std::isinf(z) ? 0 : z * normal_density(z); }
+double density_moment(double z) { return std::isinf(z) ? 0 : z * special::normal_density(z); }
 
 std::expected<double, SizeError> positive(const std::optional<Length>& value, const char* key) {
   if (!value) return std::unexpected(MissingParameter{key});
@@ -208,7 +205,7 @@ double SizeLaw::moment_within(int k) const noexcept {
     case SizeDistribution::constant: return k == 1 ? a_ : a_ * a_;
     case SizeDistribution::normal: {
       const double a = (min_ - a_) / b_, b = (max_ - a_) / b_;
-      const double first = (normal_density(a) - normal_density(b)) / mass_;
+      const double first = (special::normal_density(a) - special::normal_density(b)) / mass_;
       const double second = 1 + (density_moment(a) - density_moment(b)) / mass_;
       return k == 1 ? a_ + b_ * first : a_ * a_ + 2 * a_ * b_ * first + b_ * b_ * second;
     }

@@ -11,17 +11,17 @@
 namespace cleave::report {
 namespace {
 
-constexpr std::array<ExportName, 8> names{{
-    {ExportFormat::obj, "obj", ".obj"},
-    {ExportFormat::ply, "ply", ".ply"},
-    {ExportFormat::stl, "stl", ".stl"},
-    {ExportFormat::threedec, "3dec", ".3ddat"},
-    {ExportFormat::threedec5, "3dec5", ".3dec"},
-    {ExportFormat::lsdyna, "lsdyna", ".k"},
-    {ExportFormat::nmm3d, "nmm3d", ".nmm3d"},
-    {ExportFormat::dda, "dda", ".dda"},
-}};
-static_assert(std::ranges::equal(names, scene::known_exports, {}, &ExportName::name));
+/// In the order of the formats, as `scene::known_exports`.
+constexpr std::array<std::string_view, 8> endings{".obj", ".ply", ".stl", ".3ddat", ".3dec", ".k", ".nmm3d", ".dda"};
+static_assert(endings.size() == scene::known_exports.size() && scene::known_exports.back() == "dda" &&
+              static_cast<std::size_t>(ExportFormat::dda) == endings.size() - 1);
+constexpr auto names = [] {
+  std::array<ExportName, endings.size()> out{};
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    out[k] = {static_cast<ExportFormat>(k), scene::known_exports[k], endings[k]};
+  }
+  return out;
+}();
 
 Exported written(const Cells& cells, ExportFormat format, std::string_view title) {
   switch (format) {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "cleave/core/enum_names.hpp"
+#include "cleave/core/fields.hpp"
 #include "cleave/geometry/orientation.hpp"
 
 namespace cleave::scene {

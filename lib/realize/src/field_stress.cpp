@@ -70,7 +70,7 @@ std::expected<TunnelField, bem::SolveError> TunnelField::make(const TunnelLine& 
   CLEAVE_TRY(out.section_, bem::solve_to(problem, options, settings.tolerance, 4));
   const double size = std::abs(out.far_[0]) + std::abs(out.far_[1]) + std::abs(out.far_[2]);
   if (std::abs(out.far_[4]) + std::abs(out.far_[5]) > 1e-12 * size) {
-    for (bem::Side& side : opening) side.elements *= 4;
+    for (bem::Side& side : opening) side.elements = 4 * side.elements.value_or(1);
     CLEAVE_TRY(out.along_, bem::Antiplane::make({opening}, surface, {}, {out.far_[5], out.far_[4]}));
   }
   return out;

@@ -5,58 +5,29 @@
 #include <algorithm>
 #include <utility>
 
-#include "cleave/core/assert.hpp"
-
 namespace cleave::scene {
 namespace {
 
 stability::Actions actions_of(const SampledScene& drawn, const LoadSet& loads) {
-  auto water = loads.water;
-  if (water && loads.water_level) water->level = loads.water_level->quantile(drawn.water_quantile);
-  stability::ActionSpec spec{.water = water,
-                             .joint_pressure = {},
-                             .surcharges = loads.surcharges,
-                             .points = loads.points,
-                             .lines = loads.lines};
-  if (!loads.pressures.empty()) {
-    spec.joint_pressure.resize(drawn.joints.size());
-    for (const topology::JointId joint : drawn.joints.ids()) {
-      for (const auto& [set, pressure] : loads.pressures) {
-        if (drawn.joints[joint].set == set) spec.joint_pressure[joint.index()] = pressure;
-      }
-    }
-  }
-  auto made = stability::Actions::make(std::move(spec));
-  CLEAVE_ASSERT(made.has_value());
-  return *std::move(made);
+  stability::Actions actions = loads.actions;
+  if (loads.water_level) actions = actions.with_water_level(loads.water_level->quantile(drawn.water_quantile));
+  if (actions.spec().joint_pressure.empty()) return actions;
+  std::vector<std::size_t> sets;
+  for (const JointInfo& joint : drawn.joints) sets.push_back(joint.set.index());
+  return actions.with_pressures_of(sets);
 }
 
 }  // namespace
 
-stability::JointStrength strength_of(const Strength& s) {
-  auto made = s.jrc > 0 ? stability::JointStrength::barton_bandis(s.friction, s.jrc, s.jcs, s.tension)
-                        : stability::JointStrength::make(s.friction, s.cohesion, s.tension);
-  CLEAVE_ASSERT(made.has_value());
-  return *made;
-}
-
 stability::Settings settings_of(const Scene& scene, const SampledScene& drawn, const LoadSet& loads) {
   const StabilitySettings& wanted = *scene.stability;
-  const auto rock = stability::RockMass::make(scene.rock.density);
-  const auto body = stability::Loads::make(wanted.gravity, drawn.seismic_factor * loads.seismic);
-  const auto partial =
-      stability::PartialFactors::make(wanted.partial.friction, wanted.partial.cohesion, wanted.partial.weight);
-  CLEAVE_ASSERT(rock.has_value() && body.has_value() && partial.has_value());
-  const Strength nothing{FrictionAngle::degrees(0), pascals(0), pascals(0)};
-  stability::StrengthTable strengths{
-      strength_of(drawn.joints.empty() ? nothing : drawn.joints[topology::JointId{0U}].strength)};
-  for (const topology::JointId joint : drawn.joints.ids()) {
-    strengths.set(joint, strength_of(drawn.joints[joint].strength));
-  }
-  stability::Settings settings{.rock = *rock,
+  stability::StrengthTable strengths{drawn.joints.empty() ? stability::JointStrength::none()
+                                                          : drawn.joints[topology::JointId{0U}].strength};
+  for (const topology::JointId joint : drawn.joints.ids()) strengths.set(joint, drawn.joints[joint].strength);
+  stability::Settings settings{.rock = scene.rock.mass,
                                .strengths = std::move(strengths),
-                               .loads = *body,
-                               .partial = *partial,
+                               .loads = loads.body.with_seismic_times(drawn.seismic_factor),
+                               .partial = wanted.partial,
                                .only_key_blocks = scene.output.only_key_blocks,
                                .least_factor = wanted.target ? std::max(1.0, wanted.target->sliding) : 1.0,
                                .actions = actions_of(drawn, loads)};

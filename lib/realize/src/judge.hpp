@@ -7,10 +7,6 @@
 
 namespace cleave::scene {
 
-/// The laws of a scene give none but strengths that statics takes: the parser has checked their limits. Never another
-/// strength instead: what was wrong would then be a wrong verdict.
-[[nodiscard]] stability::JointStrength strength_of(const Strength& strength);
-
 /// What the analysis needs, from a scene and its drawn joints. Everything was checked when the scene was parsed.
 [[nodiscard]] stability::Settings settings_of(const Scene& scene, const SampledScene& drawn, const LoadSet& loads);
 /// Those of the base case.

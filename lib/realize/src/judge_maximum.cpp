@@ -5,7 +5,6 @@
 #include <numbers>
 #include <utility>
 
-#include "cleave/core/assert.hpp"
 #include "cleave/realize/places.hpp"
 #include "cleave/stability/block_theory.hpp"
 #include "judge.hpp"
@@ -33,13 +32,6 @@ std::optional<Vec3> mean_normal(const Scene& scene, const SampledScene& drawn, S
   return sum.z < 0 ? -sum : sum;
 }
 
-/// Medians of the set's laws.
-stability::JointStrength median_strength(const JointProperties& p) {
-  const double half = 0.5;
-  return strength_of(
-      Strength{p.friction.quantile(half), p.cohesion.quantile(half), p.tension.quantile(half), p.jrc, p.jcs});
-}
-
 }  // namespace
 
 void judge_maximum_blocks(const Scene& scene, Realization& made) {
@@ -58,7 +50,7 @@ void judge_maximum_blocks(const Scene& scene, Realization& made) {
     if (!normal) continue;
     const auto direction = stability::direction_of(*normal);
     if (!direction) continue;
-    planes.push_back({*direction, median_strength(scene.sets[set].properties)});
+    planes.push_back({*direction, wanted.medians[set]});
     used.push_back(set);
   }
   const TunnelLine& line = *scene.excavations[wanted.excavation].tunnel;
@@ -66,13 +58,9 @@ void judge_maximum_blocks(const Scene& scene, Realization& made) {
   const stability::ConvexTunnel tunnel{
       .axis = section.along, .right = section.right, .up = section.up, .outline = line.outline};
   const Targets target = scene.stability->target.value_or(Targets{});
-  const auto partial = stability::PartialFactors::make(
-      scene.stability->partial.friction, scene.stability->partial.cohesion, scene.stability->partial.weight);
-  CLEAVE_ASSERT(partial.has_value());  // the parser takes no other
-  const stability::TheoryLoads loads{.density = scene.rock.density,
-                                     .gravity = scene.stability->gravity,
-                                     .seismic = scene.stability->seismic,
-                                     .partial = *partial,
+  const stability::TheoryLoads loads{.rock = scene.rock.mass,
+                                     .body = scene.stability->loads.body,
+                                     .partial = scene.stability->partial,
                                      .target_falling = target.falling,
                                      .target_sliding = target.sliding};
   for (auto& block : stability::maximum_key_blocks(planes, tunnel, loads, {wanted.trace, wanted.size})) {

@@ -21,15 +21,6 @@ using stochastic::Record;
 using stochastic::RecordFile;
 using stochastic::RecordFileError;
 
-std::string_view name_of(StoppedBy stopped) noexcept {
-  switch (stopped) {
-    case StoppedBy::count: return "realizations";
-    case StoppedBy::precision: return "precision";
-    case StoppedBy::max: return "max";
-  }
-  std::unreachable();
-}
-
 std::string scene_and_files_sha256(const Scene& scene) {
   if (scene.files.empty()) return scene.sha256;
   Sha256 hash;
@@ -216,10 +207,10 @@ class Spent final {
     const std::scoped_lock lock{mutex_};
     for (const cleave::StageCost& row : timer.stages()) seconds_[row.stage] += row.wall_s;
   }
-  [[nodiscard]] std::vector<StageSeconds> in_order(const Plan& plan) const {
-    std::vector<StageSeconds> out;
-    for (const PlannedStage& stage : plan.stages) {
-      const auto it = seconds_.find(name_of(stage.stage));
+  [[nodiscard]] std::vector<StepSeconds> in_order(const Plan& plan) const {
+    std::vector<StepSeconds> out;
+    for (const PlannedStep& planned : plan.steps) {
+      const auto it = seconds_.find(name_of(planned.step));
       if (it != seconds_.end()) out.push_back({it->first, it->second});
     }
     return out;
@@ -231,7 +222,7 @@ class Spent final {
 };
 
 StoppedBy reason(const MonteCarloSettings& settings, const Ensemble& ensemble) {
-  if (!settings.stop) return StoppedBy::count;
+  if (!settings.stop) return StoppedBy::realizations;
   return narrow_enough(ensemble.moments(settings.stop->quantity), *settings.stop) ? StoppedBy::precision
                                                                                   : StoppedBy::max;
 }

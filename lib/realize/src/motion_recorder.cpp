@@ -25,7 +25,7 @@ constexpr double at_once = 1e-9;
 MotionRecorder::MotionRecorder(const Scene& scene, const BlockComplex& complex, const MotionCast& cast,
                                motion::World world)
     : scene_{scene}, settings_{*scene.motion}, complex_{complex}, cast_{cast}, world_{std::move(world)} {
-  const double frame = settings_.frame.si() > 0 ? settings_.frame.si() : settings_.duration.si() / 50;
+  const double frame = settings_.frame ? settings_.frame->si() : settings_.duration.si() / 50;
   frame_ = std::max(frame, settings_.duration.si() / 1000);
   if (!cast.wave.empty()) waves_ = *std::ranges::max_element(cast.wave);
   const auto [lo, hi] = geometry::box_of(complex.vertices());

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "cleave/assembly/groups.hpp"
-#include "cleave/core/enum_names.hpp"
+#include "cleave/core/fields.hpp"
 #include "cleave/motion/world.hpp"
 #include "motion_recorder.hpp"
 
@@ -92,7 +92,7 @@ motion::Polyhedron shape_of(const BlockComplex& complex, BlockId block, const Re
     if (face.role == topology::Role::joint) {
       double least = std::numeric_limits<double>::infinity();
       for (const topology::Patch& patch : complex.patches(face)) {
-        if (patch.joint) least = std::min(least, tangent(made.joints[*patch.joint].strength.friction));
+        if (patch.joint) least = std::min(least, tangent(made.joints[*patch.joint].strength.friction()));
       }
       if (std::isfinite(least)) facet.surface = surfaces(least);
     }
@@ -123,23 +123,23 @@ std::vector<motion::Bond::Share> shares_of(const BlockComplex& complex, const to
 }
 
 /// Strength that counts in pull: up to the apex of its line.
-double pull_of(const Strength& s) {
-  const double friction = tangent(s.friction);
-  return friction > 0 ? std::min(s.tension.si(), s.cohesion.si() / friction) : s.tension.si();
+double pull_of(const stability::JointStrength& s) {
+  const double friction = tangent(s.friction());
+  return friction > 0 ? std::min(s.tension().si(), s.cohesion().si() / friction) : s.tension().si();
 }
 
 /// All that a face shares with a neighbour as one bond with tension: its corners, and areas that have its moments.
 /// None where its patches have several strengths: how they would share a pull is not known.
 std::optional<motion::Bond> pulling_bond(const Realization& made, const BlockComplex& complex,
                                          const topology::Face& face, BlockId neighbour) {
-  std::optional<Strength> strength;
+  std::optional<stability::JointStrength> strength;
   double area = 0;
   for (const topology::Patch& patch : complex.patches(face)) {
     if (patch.neighbour != neighbour) continue;
     if (!patch.joint) return std::nullopt;
-    const Strength& own = made.joints[*patch.joint].strength;
-    if (strength && (own.cohesion != strength->cohesion || own.tension != strength->tension ||
-                     own.friction.degrees() != strength->friction.degrees())) {
+    const stability::JointStrength& own = made.joints[*patch.joint].strength;
+    if (strength && (own.cohesion() != strength->cohesion() || own.tension() != strength->tension() ||
+                     own.friction().degrees() != strength->friction().degrees())) {
       return std::nullopt;
     }
     strength = own;
@@ -149,7 +149,7 @@ std::optional<motion::Bond> pulling_bond(const Realization& made, const BlockCom
   const auto points = stability::spread_of(complex, face, neighbour);
   if (!points) return std::nullopt;
   motion::Bond bond;
-  bond.tension = strength->tension.si();
+  bond.tension = strength->tension().si();
   const Vec3 middle = 0.5 * ((*points)[0] + (*points)[1]) - complex.origin();
   for (const Vec3 point : *points) {
     const Vec3 at = point - complex.origin();
@@ -171,8 +171,8 @@ void add_bonds(const BlockComplex& complex, const Realization& made, const std::
       std::vector<BlockId> whole;  // neighbours whose bond is made
       for (const topology::Patch& patch : complex.patches(face)) {
         if (!patch.joint || !patch.neighbour) continue;
-        const Strength& strength = made.joints[*patch.joint].strength;
-        if (strength.cohesion.si() <= 0 && strength.tension.si() <= 0) continue;
+        const stability::JointStrength& strength = made.joints[*patch.joint].strength;
+        if (strength.cohesion().si() <= 0 && strength.tension().si() <= 0) continue;
         const std::uint32_t own = body[b.index()], other = body[patch.neighbour->index()];
         if (other == static_cast<std::uint32_t>(-1) || (other < own && other < cast.moving.size())) continue;
         if (std::ranges::find(whole, *patch.neighbour) != whole.end()) continue;
@@ -182,8 +182,8 @@ void add_bonds(const BlockComplex& complex, const Realization& made, const std::
         } else {
           bond.emplace().shares = shares_of(complex, face, patch);
         }
-        bond->cohesion = strength.cohesion.si();
-        bond->friction = tangent(strength.friction);
+        bond->cohesion = strength.cohesion().si();
+        bond->friction = tangent(strength.friction());
         bond->body = own;
         bond->other = other;
         bond->normal = geometry::normalized(-face.outward);
@@ -231,7 +231,7 @@ MotionCast cast_of(const Scene& scene, const MotionSettings& settings, const Rea
   const auto add = [&](BlockId b, bool fixed) {
     body[b.index()] = static_cast<std::uint32_t>(cast.scene.bodies.size());
     cast.scene.bodies.push_back(
-        {.shape = shape_of(complex, b, made, surfaces), .density = scene.rock.density, .fixed = fixed});
+        {.shape = shape_of(complex, b, made, surfaces), .density = scene.rock.mass.density(), .fixed = fixed});
   };
   for (std::size_t k = 0; k < cast.moving.size(); ++k) add(cast.moving[k], cast.wave[k] > 0);
   for (std::uint32_t b = 0; b < waves.size() && !cast.moving.empty(); ++b) {
@@ -270,17 +270,18 @@ void compare(const MotionResult& fine, const BlockComplex& complex, MotionResult
 
 /// Loads that blocks in motion do not have.
 bool more_than_gravity(const LoadSet& loads) {
-  return norm(loads.seismic) > 0 || loads.water || loads.water_level || !loads.pressures.empty() ||
-         !loads.surcharges.empty() || !loads.points.empty() || !loads.lines.empty();
+  const stability::ActionSpec& actions = loads.actions.spec();
+  return norm(loads.body.seismic()) > 0 || !loads.actions.dry() || !actions.surcharges.empty() ||
+         !actions.points.empty() || !actions.lines.empty();
 }
 
 /// Partial factors, which blocks in motion do not have either.
 bool reduces_strength(const StabilitySettings& settings) {
-  return settings.partial.friction != 1 || settings.partial.cohesion != 1 || settings.partial.weight != 1;
+  return settings.partial.friction() != 1 || settings.partial.cohesion() != 1 || settings.partial.weight() != 1;
 }
 
 motion::WorldOptions options_of(const Scene& scene, const MotionSettings& settings) {
-  motion::WorldOptions options{.gravity = scene.stability->gravity, .step = settings.step.si()};
+  motion::WorldOptions options{.gravity = scene.stability->loads.body.gravity(), .step = settings.step.si()};
   options.solver.accept = accepted;
   options.solver.tolerate = tolerated;
   return options;

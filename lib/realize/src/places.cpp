@@ -92,7 +92,7 @@ void measure(const topology::BlockComplex& complex, topology::BlockId block, Blo
       nearest = std::min(nearest, distance_to_face(complex, complex.faces()[id], p));
     depth = std::max(depth, nearest);
   }
-  place.depth = Length::from_si(depth);
+  if (!free.empty()) place.depth = Length::from_si(depth);
   place.extent = Length::from_si(extent);
 }
 

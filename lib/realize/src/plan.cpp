@@ -8,7 +8,7 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/dfn/sample.hpp"
 #include "cleave/realize/run.hpp"
-#include "cleave/scene/plan_stages.hpp"
+#include "cleave/scene/plan_steps.hpp"
 #include "cleave/scene3d/bounds.hpp"
 #include "cleave/scene3d/key_tables.hpp"
 #include "cleave/scene3d/scene.hpp"
@@ -70,21 +70,21 @@ double draws_of(const Scene& scene) {
   return draws;
 }
 
-/// Expected seconds of CPU of a stage of one realization; 0 for those whose cost the joints do not tell.
-double seconds_of(Stage stage, const Scene& scene, const CutEstimate& cut) {
+/// Expected seconds of CPU of a step of one realization; 0 for those whose cost the joints do not tell.
+double seconds_of(Step step, const Scene& scene, const CutEstimate& cut) {
   constexpr double section_by_boundary_elements = 0.4, a_bolt = 4e-4;
-  switch (stage) {
-    case Stage::draw: return 1.5e-7 * draws_of(scene) + 1e-6 * cut.joints;
-    case Stage::cut: return cut.cut_s();
-    case Stage::audit: return cut.audit_s();
-    case Stage::stability: return 3e-6 * cut.blocks;
-    case Stage::write: return 0.002 + (scene.output.vtu ? 3.5e-6 * cut.blocks : 0);
-    case Stage::report: return 0.002 + 1.5e-6 * cut.blocks;
-    case Stage::support: return a_bolt * static_cast<double>(scene.support->plan.bolts.size());
-    case Stage::elastic: return section_by_boundary_elements;
-    case Stage::read:
-    case Stage::monte_carlo:
-    case Stage::contact: return 0;
+  switch (step) {
+    case Step::draw: return 1.5e-7 * draws_of(scene) + 1e-6 * cut.joints;
+    case Step::cut: return cut.cut_s();
+    case Step::audit: return cut.audit_s();
+    case Step::stability: return 3e-6 * cut.blocks;
+    case Step::write: return 0.002 + (scene.output.vtu ? 3.5e-6 * cut.blocks : 0);
+    case Step::report: return 0.002 + 1.5e-6 * cut.blocks;
+    case Step::support: return a_bolt * static_cast<double>(scene.support->plan.bolts.size());
+    case Step::elastic: return section_by_boundary_elements;
+    case Step::read:
+    case Step::monte_carlo:
+    case Step::contact: return 0;
   }
   std::unreachable();
 }
@@ -165,28 +165,28 @@ Decision decide_motion(const Scene& scene) {
                             scene.motion->duration.si())};
 }
 
-Decision decide(const Scene& scene, Stage stage) {
+Decision decide(const Scene& scene, Step step) {
   const bool stability = scene.stability.has_value();
   const std::size_t sets = scene.joint_sets.size();
-  switch (stage) {
-    case Stage::read:
+  switch (step) {
+    case Step::read:
       return {true,
               scene.files.empty() ? "the scene" : "the scene and " + count_of(scene.files.size(), "file", "files")};
-    case Stage::draw:
+    case Step::draw:
       return {sets > 0, sets > 0 ? count_of(sets, "random joint set", "random joint sets") : "no [[joint_set]]"};
-    case Stage::cut: return {true, why_cut(scene)};
-    case Stage::audit: return {true, "every block system is certified"};
-    case Stage::stability: return {stability, why_stability(scene)};
-    case Stage::support: return {scene.support && stability, why_support(scene)};
-    case Stage::monte_carlo: return {scene.monte_carlo.has_value(), why_monte_carlo(scene)};
-    case Stage::elastic: return decide_elastic(scene);
-    case Stage::contact:
+    case Step::cut: return {true, why_cut(scene)};
+    case Step::audit: return {true, "every block system is certified"};
+    case Step::stability: return {stability, why_stability(scene)};
+    case Step::support: return {scene.support && stability, why_support(scene)};
+    case Step::monte_carlo: return {scene.monte_carlo.has_value(), why_monte_carlo(scene)};
+    case Step::elastic: return decide_elastic(scene);
+    case Step::contact:
       if (!scene.motion || !scene.monte_carlo) return decide_motion(scene);
       return {false, "not in ensembles; cleave replay shows one realization"};
-    case Stage::write:
+    case Step::write:
       return {true, scene.monte_carlo ? "summary.json, log.txt, realizations.csv, copies of the scene"
                                       : why_write(scene.output, stability, scene.motion.has_value())};
-    case Stage::report: return {scene.output.report, scene.output.report ? "report.html" : "output.report = false"};
+    case Step::report: return {scene.output.report, scene.output.report ? "report.html" : "output.report = false"};
   }
   std::unreachable();
 }
@@ -195,9 +195,9 @@ Decision decide(const Scene& scene, Stage stage) {
 
 Plan make_plan(const Scene& scene) {
   Plan plan;
-  for (const Stage stage : all_stages) {
-    auto [run, why] = decide(scene, stage);
-    plan.stages.push_back({.stage = stage, .run = run, .why = std::move(why)});
+  for (const Step step : all_steps) {
+    auto [run, why] = decide(scene, step);
+    plan.steps.push_back({.step = step, .run = run, .why = std::move(why)});
   }
   add_inputs(scene_keys(), scene.given, plan);
   return plan;
@@ -205,8 +205,8 @@ Plan make_plan(const Scene& scene) {
 
 Plan plan_of_realization(const Scene& scene) {
   Plan plan = make_plan(scene);
-  for (PlannedStage& planned : plan.stages) {
-    if (planned.stage != Stage::contact) continue;
+  for (PlannedStep& planned : plan.steps) {
+    if (planned.step != Step::contact) continue;
     auto [run, why] = decide_motion(scene);
     planned.run = run;
     planned.why = std::move(why);
@@ -225,10 +225,10 @@ std::expected<Plan, std::vector<Problem>> make_costed_plan(const Scene& scene) {
                    .seconds = program_s,
                    .together = together_of(scene, cut)};
   const double runs = scene.monte_carlo ? static_cast<double>(scene.monte_carlo->realizations) : 1;
-  for (PlannedStage& planned : plan.stages) {
+  for (PlannedStep& planned : plan.steps) {
     if (!planned.run) continue;
-    const bool once = planned.stage == Stage::write || planned.stage == Stage::report;
-    planned.seconds = (once ? 1 : runs) * seconds_of(planned.stage, scene, cut);
+    const bool once = planned.step == Step::write || planned.step == Step::report;
+    planned.seconds = (once ? 1 : runs) * seconds_of(planned.step, scene, cut);
     plan.estimate.seconds += planned.seconds;
   }
   return plan;

@@ -43,8 +43,8 @@ Realizer::Realizer(const Scene& scene, const RunOptions& options, Detail detail,
       made_{nothing(scene)} {}
 
 Realizer::Done Realizer::execute(const Plan& plan) {
-  for (const PlannedStage& planned : plan.stages) {
-    if (planned.run) CLEAVE_CHECK(step(planned.stage));
+  for (const PlannedStep& planned : plan.steps) {
+    if (planned.run) CLEAVE_CHECK(step(planned.step));
   }
   return {};
 }
@@ -55,34 +55,34 @@ Realizer::Done Realizer::next(const Plan& plan, std::uint64_t realization) {
   // How far the rock must be cut depends on the strengths.
   if (near_ || !made_.complex) return execute(plan);
   CLEAVE_CHECK(draw_joints());
-  for (const Stage stage : {Stage::stability, Stage::support, Stage::elastic}) {
-    if (plan.runs(stage)) CLEAVE_CHECK(step(stage));
+  for (const Step which : {Step::stability, Step::support, Step::elastic}) {
+    if (plan.runs(which)) CLEAVE_CHECK(step(which));
   }
   return {};
 }
 
-Realizer::Done Realizer::step(Stage stage) {
-  switch (stage) {
-    case Stage::draw: return booked(stage, [&] { return draw_joints(); });
-    case Stage::cut:
+Realizer::Done Realizer::step(Step which) {
+  switch (which) {
+    case Step::draw: return booked(which, [&] { return draw_joints(); });
+    case Step::cut:
       if (!drawn_) CLEAVE_CHECK(draw_joints());  // none is random, but strengths may be
-      return near_ ? cut_near_free_faces() : booked(stage, [&] { return cut(); });
-    case Stage::audit:
-      if (!near_) booked(stage, [&] { audit(); });
+      return near_ ? cut_near_free_faces() : booked(which, [&] { return cut(); });
+    case Step::audit:
+      if (!near_) booked(which, [&] { audit(); });
       return {};
-    case Stage::stability: return made_.complex ? booked(stage, [&] { return judge(); }) : Done{};
-    case Stage::support:
-      if (made_.analysis && !near_) booked(stage, [&] { support(); });
-      if (made_.support) booked(stage, [&] { support_of_groups(); });
+    case Step::stability: return made_.complex ? booked(which, [&] { return judge(); }) : Done{};
+    case Step::support:
+      if (made_.analysis && !near_) booked(which, [&] { support(); });
+      if (made_.support) booked(which, [&] { support_of_groups(); });
       return {};
-    case Stage::elastic: return made_.analysis ? booked(stage, [&] { return clamp(); }) : Done{};
-    case Stage::contact:
+    case Step::elastic: return made_.analysis ? booked(which, [&] { return clamp(); }) : Done{};
+    case Step::contact:
       if (!made_.analysis || !scene_->motion || detail_ != Detail::shown) return {};
-      return booked(stage, [&] { return move(); });
-    case Stage::read:
-    case Stage::monte_carlo:
-    case Stage::write:
-    case Stage::report: return {};  // not of a realization
+      return booked(which, [&] { return move(); });
+    case Step::read:
+    case Step::monte_carlo:
+    case Step::write:
+    case Step::report: return {};  // not of a realization
   }
   std::unreachable();
 }
@@ -126,19 +126,19 @@ void Realizer::audit() {
 }
 
 Realizer::Done Realizer::cut_near_free_faces() {
-  progress_->begin(name_of(Stage::cut));
+  progress_->begin(name_of(Step::cut));
   const auto cases_and_support = [&](const topology::AuditedComplex& complex, const stability::Analysis& analysis) {
     forget_cases_and_support(made_);
     if (!scene_->stability->cases.empty()) {
-      booked(Stage::stability, [&] { judge_cases(*scene_, complex, made_); });
+      booked(Step::stability, [&] { judge_cases(*scene_, complex, made_); });
     }
     if (scene_->support && made_.undecided.empty()) {
-      booked(Stage::support, [&] { judge_support(*scene_, complex, analysis, made_, detail_ == Detail::shown); });
+      booked(Step::support, [&] { judge_support(*scene_, complex, analysis, made_, detail_ == Detail::shown); });
     }
     // The replay of a realization cuts what the ensemble cut.
     const bool grows = judges_groups() && (!scene_->monte_carlo || scene_->stability->decides_by_groups());
     if (!made_.undecided.empty() || !grows) return made_.undecided;
-    booked(Stage::stability, [&] { find_groups(complex); });
+    booked(Step::stability, [&] { find_groups(complex); });
     return made_.key_groups->edge;
   };
   made_.key_groups.reset();

@@ -35,7 +35,7 @@ class Realizer final {
   [[nodiscard]] Realization take() && { return std::move(made_); }
 
  private:
-  [[nodiscard]] Done step(Stage stage);
+  [[nodiscard]] Done step(Step which);
   [[nodiscard]] Done draw_joints();
   /// Refuses what is expected to be too large for the machine.
   [[nodiscard]] Done fits_memory() const;
@@ -67,9 +67,9 @@ class Realizer final {
   [[nodiscard]] stability::Settings of_detail(stability::Settings settings) const;
   [[nodiscard]] stability::Analysis analyse(const topology::AuditedComplex& complex) const;
   template <class Work>
-  decltype(auto) booked(Stage stage, Work&& work) {
-    progress_->begin(name_of(stage));
-    return timer_->run(name_of(stage), std::forward<Work>(work));
+  decltype(auto) booked(Step which, Work&& work) {
+    progress_->begin(name_of(which));
+    return timer_->run(name_of(which), std::forward<Work>(work));
   }
 
   const Scene* scene_;

@@ -103,7 +103,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   const std::vector<std::string> group_notes = realizer.group_notes();
   RunResult result{std::move(realizer).take(), head_of(scene, std::move(plan))};
   if (result.complex) {
-    CLEAVE_TRY(result.excavations, timer.run(name_of(Stage::cut), [&] { return taken_by(scene, result); }));
+    CLEAVE_TRY(result.excavations, timer.run(name_of(Step::cut), [&] { return taken_by(scene, result); }));
     if (auto missing = without_rock(scene, result.excavations); !missing.empty()) return std::unexpected(missing);
   } else {  // no volume of such a cut is to be trusted
     for (const Excavation& excavation : scene.excavations) {

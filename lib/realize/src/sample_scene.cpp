@@ -25,10 +25,12 @@ constexpr std::size_t measured_streams = std::size_t{1} << 23U;
 constexpr auto seismic_stream = static_cast<Draw>(64);
 constexpr auto water_stream = static_cast<Draw>(65);
 
-/// One value a joint of each property. Friction and cohesion may hang together by a Gaussian copula: the marginal laws
-/// stay what the scene says.
-Strength draw_strength(const Scene& scene, std::uint64_t realization, SetId set, std::size_t stream,
-                       std::uint32_t index) {
+using DrawnStrength = std::expected<stability::JointStrength, stability::StrengthError>;
+
+/// One value a joint of each property; what the joint states itself goes before. Friction and cohesion may hang
+/// together by a Gaussian copula: the marginal laws stay what the scene says.
+DrawnStrength draw_strength(const Scene& scene, std::uint64_t realization, SetId set, std::size_t stream,
+                            std::uint32_t index, const OwnStrength& own = {}) {
   const auto uniform = [&](Draw what) {
     return Rng{
         {.seed = scene.seed, .realization = realization, .purpose = stream_purpose(stream, what), .index = index}}
@@ -41,11 +43,18 @@ Strength draw_strength(const Scene& scene, std::uint64_t realization, SetId set,
     const double score = r * normal_quantile(friction) + std::sqrt(1 - r * r) * normal_quantile(cohesion);
     cohesion = std::clamp(special::normal_cdf(score), 0x1p-53, 1 - 0x1p-53);
   }
-  return {properties.friction.quantile(friction), properties.cohesion.quantile(cohesion),
-          properties.tension.quantile(uniform(Draw::tension)), properties.jrc, properties.jcs};
+  return joint_strength(own.friction.value_or(properties.friction.quantile(friction)),
+                        own.cohesion.value_or(properties.cohesion.quantile(cohesion)),
+                        own.tension.value_or(properties.tension.quantile(uniform(Draw::tension))),
+                        own.cohesion ? std::nullopt : properties.roughness);  // a straight law of its own
 }
 
-JointInfo describe_joint(SetId set, JointOrigin origin, std::string source, Strength strength, geometry::Vec3 normal) {
+Problem no_strength(const Scene& scene, SetId set, std::uint32_t line, const stability::StrengthError& why) {
+  return {scene.shown, line, "joints." + scene.sets[set].name, describe(why), ""};
+}
+
+JointInfo describe_joint(SetId set, JointOrigin origin, std::string source, stability::JointStrength strength,
+                         geometry::Vec3 normal) {
   constexpr double degrees = 180.0 / std::numbers::pi;
   const geometry::Vec3 n = upward(normal);
   const double dip = std::atan2(std::hypot(n.x, n.y), n.z) * degrees;
@@ -59,15 +68,16 @@ JointInfo describe_joint(SetId set, JointOrigin origin, std::string source, Stre
           .dip_direction = DipDirection::degrees(direction < 0 ? direction + 360 : direction)};
 }
 
-void add_measured(const Scene& scene, std::uint64_t realization, SampledScene& drawn) {
+void add_measured(const Scene& scene, std::uint64_t realization, SampledScene& drawn, std::vector<Problem>& problems) {
   IdVector<SetId, std::uint32_t> next{scene.sets.size(), 0U};
   for (const MeasuredJoint& joint : scene.joints) {
     const std::uint32_t index = next[joint.set]++;
-    Strength strength = draw_strength(scene, realization, joint.set, measured_streams + joint.set.index(), index);
-    strength.friction = joint.own.friction.value_or(strength.friction);
-    strength.cohesion = joint.own.cohesion.value_or(strength.cohesion);
-    strength.tension = joint.own.tension.value_or(strength.tension);
-    if (joint.own.cohesion) strength.jrc = 0;  // a straight law of its own
+    const auto strength =
+        draw_strength(scene, realization, joint.set, measured_streams + joint.set.index(), index, joint.own);
+    if (!strength) {
+      problems.push_back(no_strength(scene, joint.set, joint.line, strength.error()));
+      continue;
+    }
     geometry::Vec3 normal;
     std::visit(overloaded{[&](const topology::Joint& polygons) {
                             normal = geometry::normalized(area_vector(polygons.polygons.front()));
@@ -79,7 +89,7 @@ void add_measured(const Scene& scene, std::uint64_t realization, SampledScene& d
                           }},
                joint.geometry);
     drawn.joints.push_back(describe_joint(joint.set, JointOrigin::measured,
-                                          fmt::format("{}:{}", joint.file, joint.line), strength, normal));
+                                          fmt::format("{}:{}", joint.file, joint.line), *strength, normal));
     ++drawn.sets[joint.set].joints;
   }
 }
@@ -119,16 +129,20 @@ std::expected<SampledSets, std::vector<Problem>> sample_sets(const Scene& scene,
 }
 
 void add_random(const Scene& scene, std::uint64_t realization, std::size_t number,
-                std::vector<dfn::SampledJoint> sampled, SampledScene& drawn) {
+                std::vector<dfn::SampledJoint> sampled, SampledScene& drawn, std::vector<Problem>& problems) {
   const RandomSet& set = scene.joint_sets[number];
   const NamedSet& named = scene.sets[set.set];
   for (dfn::SampledJoint& joint : sampled) {
-    const Strength strength = draw_strength(scene, realization, set.set, number, joint.index);
+    const auto strength = draw_strength(scene, realization, set.set, number, joint.index);
+    if (!strength) {
+      problems.push_back(no_strength(scene, set.set, set.line, strength.error()));
+      continue;
+    }
     const geometry::Vec3 normal = joint.normal;
     const std::uint32_t index = joint.index;
     drawn.input.joints.push_back(dfn::joint_of(std::move(joint)));
     drawn.joints.push_back(
-        describe_joint(set.set, JointOrigin::drawn, fmt::format("{} #{}", named.name, index + 1), strength, normal));
+        describe_joint(set.set, JointOrigin::drawn, fmt::format("{} #{}", named.name, index + 1), *strength, normal));
     ++drawn.sets[set.set].joints;
   }
 }
@@ -153,12 +167,14 @@ std::expected<SampledScene, std::vector<Problem>> sample(const Scene& scene, std
   drawn.water_quantile = once(water_stream);
   for (const NamedSet& set : scene.sets) drawn.sets.push_back({set.name, 0});
   for (const Excavation& excavation : scene.excavations) drawn.input.excavations.push_back(excavation.solid);
-  add_measured(scene, realization, drawn);
+  std::vector<Problem> problems;
+  add_measured(scene, realization, drawn, problems);
   auto sampled = sample_sets(scene, realization, box_of(scene.domain));
   if (!sampled) return std::unexpected(std::move(sampled).error());
   for (std::size_t number = 0; number < sampled->size(); ++number) {
-    add_random(scene, realization, number, std::move((*sampled)[number]), drawn);
+    add_random(scene, realization, number, std::move((*sampled)[number]), drawn, problems);
   }
+  if (!problems.empty()) return std::unexpected(std::move(problems));
   return drawn;
 }
 

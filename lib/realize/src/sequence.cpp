@@ -9,7 +9,7 @@ namespace {
 using topology::CellId;
 
 /// What happens when one stage is taken out.
-struct Step {
+struct AfterStage {
   std::optional<std::expected<topology::AuditedComplex, topology::Certificate>> complex;
   std::optional<stability::Analysis> analysis;
   std::vector<std::pair<Volume, std::vector<CellId>>> left;  ///< each block that leaves: its volume and cells
@@ -21,8 +21,8 @@ class Sequencer {
             const std::vector<std::uint32_t>& stage_of_excavation, const Judge& judge)
       : cut_{cut}, settings_{settings}, stage_of_excavation_{stage_of_excavation}, judge_{judge} {}
 
-  [[nodiscard]] Step step(const topology::WorkState& state) const {
-    Step result;
+  [[nodiscard]] AfterStage step(const topology::WorkState& state) const {
+    AfterStage result;
     auto blocks = cut_.blocks(state);
     if (!blocks) return result;  // no rock left
     result.complex = topology::audit(std::move(blocks->complex));
@@ -99,7 +99,7 @@ SequenceResult run_sequence(const topology::SequentialCut& cut, const topology::
 
   result.orders.push_back(
       sequencer.walk(settings.stages, [&](std::uint32_t stage, const topology::WorkState& state, const auto& account) {
-        Step step = sequencer.step(state);
+        AfterStage step = sequencer.step(state);
         StageResult row{.stage = stage,
                         .excavations = {},
                         .complex = std::move(step.complex),

@@ -166,8 +166,8 @@ std::string set_table(const Page& page) {
     for (const scene::JointInfo& joint : page.result.joints) {
       if (joint.set != id) continue;
       normals.push_back(joint.normal);
-      row.friction.add(joint.strength.friction.degrees());
-      row.cohesion.add(joint.strength.cohesion.si() / 1000);
+      row.friction.add(joint.strength.friction().degrees());
+      row.cohesion.add(joint.strength.cohesion().si() / 1000);
     }
     if (normals.empty()) continue;
     row.name.text = "<svg class=\"mark\" viewBox=\"0 0 16 16\">" + set_marker(id.index(), 8, 8, 5) + "</svg>" +
@@ -248,19 +248,22 @@ std::string blocks_section(const Page& page) {
 
 std::string loads_of(const scene::RunResult& result) {
   const scene::StabilitySettings& s = *result.stability;
+  const stability::Loads& body = s.loads.body;
+  const stability::ActionSpec& actions = s.loads.actions.spec();
   const auto vector = [](geometry::Vec3 v) {
     return "(" + display(v.x) + ", " + display(v.y) + ", " + display(v.z) + ")";
   };
-  std::string out = "rock of " + display(result.rock.density.si()) + " kg/m³, gravity " + vector(s.gravity) + " m/s²";
-  if (norm(s.seismic) > 0) out += ", seismic force / weight " + vector(s.seismic);
-  if (s.loads.water) out += ", water table at " + display(s.loads.water->level) + " m";
-  if (!s.loads.pressures.empty()) out += ", water pressure by joint set";
+  std::string out =
+      "rock of " + display(result.rock.mass.density().si()) + " kg/m³, gravity " + vector(body.gravity()) + " m/s²";
+  if (norm(body.seismic()) > 0) out += ", seismic force / weight " + vector(body.seismic());
+  if (actions.water) out += ", water table at " + display(actions.water->level) + " m";
+  if (!actions.joint_pressure.empty()) out += ", water pressure by joint set";
   const auto count = [&](std::size_t n, std::string_view what) {
     if (n > 0) out += ", " + std::to_string(n) + " " + std::string{what} + (n == 1 ? "" : "s");
   };
-  count(s.loads.surcharges.size(), "surcharge");
-  count(s.loads.points.size(), "point force");
-  count(s.loads.lines.size(), "line force");
+  count(actions.surcharges.size(), "surcharge");
+  count(actions.points.size(), "point force");
+  count(actions.lines.size(), "line force");
   count(s.cases.size(), "more load case");
   return out;
 }
@@ -326,7 +329,7 @@ std::string inputs_section(const Page& page) {
 }  // namespace
 
 double Page::tan_friction(topology::JointId joint) const {
-  return joint.index() < result.joints.size() ? std::tan(result.joints[joint].strength.friction.radians()) : 0;
+  return joint.index() < result.joints.size() ? std::tan(result.joints[joint].strength.friction().radians()) : 0;
 }
 
 std::string report_html(const Page& page) {

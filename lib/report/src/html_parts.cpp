@@ -76,23 +76,23 @@ std::string fact(std::string_view name, const std::string& value, std::string_vi
 }
 
 std::string plan_section(const scene::Plan& plan) {
-  const auto shown = [](const scene::PlannedStage& x) {
+  const auto shown = [](const scene::PlannedStep& x) {
     return group([&x](auto& v) {
       fields(v, x);
       v("done", x.run ? "ran" : "left out");
     });
   };
   HtmlTable table{
-      {{"stage"}, {"done", " "}, {.name = "why", .kind = "wide"}}, shown(scene::PlannedStage{}), {}, Frame::none};
-  for (const scene::PlannedStage& row : plan.stages) table.add(shown(row), row.run ? "" : "class=\"off\"");
+      {{"stage"}, {"done", " "}, {.name = "why", .kind = "wide"}}, shown(scene::PlannedStep{}), {}, Frame::none};
+  for (const scene::PlannedStep& row : plan.steps) table.add(shown(row), row.run ? "" : "class=\"off\"");
   return "<section id=\"plan\"><h2>What ran, what was left out, and why</h2>\n" + std::move(table).html() +
          "</section>\n";
 }
 
 std::string cost_section(const scene::RunCost& cost) {
   double longest = 0;
-  for (const scene::StageCost& row : cost.stages) longest = std::max(longest, row.wall_s);
-  const auto shown = [&](auto& v, const scene::StageCost& row) {
+  for (const scene::StepCost& row : cost.steps) longest = std::max(longest, row.wall_s);
+  const auto shown = [&](auto& v, const scene::StepCost& row) {
     const double share = longest > 0 ? 100 * row.wall_s / longest : 0;
     fields(v, row);
     v("bar", Html{"<i style=\"width:" + number(std::round(share * 10) / 10) + "%\"></i>"});
@@ -103,7 +103,7 @@ std::string cost_section(const scene::RunCost& cost) {
                      {.name = "bar", .heading = " ", .kind = "bar"},
                      {"cpu_s", "CPU (s)", 3},
                      {"peak_rss_mb", "Peak memory (MB)"}},
-                    each(cost.stages, shown), {}, Frame::none) +
+                    each(cost.steps, shown), {}, Frame::none) +
          "<p class=\"small\">Up to the writing of this page; summary.json has the rest.</p></section>\n";
 }
 

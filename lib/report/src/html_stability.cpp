@@ -83,7 +83,7 @@ void fields(V& v, const DesignRow& x) {
   const Html none{"–"};
   const auto if_found = [&](std::string text) { return d.found ? Html{std::move(text)} : none; };
   v("spacing", d.found ? Html{display(d.spacing[0], 3) + " × " + display(d.spacing[1], 3)} : Html{"none passes"});
-  v("found_rings", if_found(d.rings > 0 ? display_count(d.rings) : "a grid"));
+  v("found_rings", if_found(d.rings ? display_count(*d.rings) : "a grid"));
   v("found_bolts", if_found(display_count(d.bolts)));
   v("found_spot_bolts", if_found(display_count(d.spot_bolts)));
   v("found_cost", if_found(display(d.cost, 4)));

@@ -219,7 +219,7 @@ std::string face_table(const Page& page, const stability::Judgement& j) {
 /// Forces in the plane of gravity and of the motion, to one scale, gravity downwards on the page: weight, reactions,
 /// resistance, driving force, and all other loads (water, earthquake, surcharge) summed up, from W + Q + sum N = T.
 std::string force_arrows(const Page& page, const stability::Judgement& j) {
-  const Vec3 gravity = page.result.stability ? page.result.stability->gravity : Vec3{0, 0, -9.81};
+  const Vec3 gravity = page.result.stability ? page.result.stability->loads.body.gravity() : Vec3{0, 0, -9.81};
   const Vec3 up = norm(gravity) > 0 ? geometry::normalized(-gravity) : Vec3{0, 0, 1};
   Vec3 h = j.direction - dot(j.direction, up) * up;
   if (!(norm(h) > 1e-9)) h = geometry::cross(up, std::abs(up.y) < 0.9 ? Vec3{0, 1, 0} : Vec3{1, 0, 0});

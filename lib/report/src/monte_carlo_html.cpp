@@ -361,11 +361,11 @@ std::string inputs_section(const MonteCarloPage& page) {
 std::string stages_table(const MonteCarloPage& page) {
   if (page.result.stages.empty()) return {};
   double all = 0;
-  for (const scene::StageSeconds& row : page.result.stages) all += row.seconds;
+  for (const scene::StepSeconds& row : page.result.stages) all += row.seconds;
   std::string out =
       "<section id=\"stages\"><h2>Cost of the realizations by stage</h2>\n<p class=\"small\">Of those made by this "
       "run, over all threads.</p>\n";
-  const auto shown = [&](auto& v, const scene::StageSeconds& row) {
+  const auto shown = [&](auto& v, const scene::StepSeconds& row) {
     fields(v, row);
     v("share", all > 0 ? row.seconds / all : 0);
   };

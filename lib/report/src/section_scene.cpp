@@ -34,16 +34,16 @@ class Joints final {
 
   std::string name_of(topology::JointId id) {
     const scene::JointInfo& joint = result_.joints[id];
-    const auto key = std::tuple{joint.set.value(), joint.strength.friction.degrees(), joint.strength.cohesion.si(),
-                                joint.strength.tension.si()};
+    const auto key = std::tuple{joint.set.value(), joint.strength.friction().degrees(), joint.strength.cohesion().si(),
+                                joint.strength.tension().si()};
     if (const auto known = names_.find(key); known != names_.end()) return known->second;
     std::string name = result_.sets[joint.set].name;
     const std::size_t before = count_[name]++;
     // "default" would mean: as the other side.
     if (before > 0 || name == "default") name += " " + std::to_string(before + 1);
-    text_ += "[joints." + toml_string(name) + "]\nfriction = " + number(joint.strength.friction.degrees()) +
-             "\ncohesion = " + number(joint.strength.cohesion.si()) +
-             "\ntension = " + number(joint.strength.tension.si()) + "\n\n";
+    text_ += "[joints." + toml_string(name) + "]\nfriction = " + number(joint.strength.friction().degrees()) +
+             "\ncohesion = " + number(joint.strength.cohesion().si()) +
+             "\ntension = " + number(joint.strength.tension().si()) + "\n\n";
     return names_.emplace(key, name).first->second;
   }
   [[nodiscard]] const std::string& text() const noexcept { return text_; }
@@ -81,15 +81,15 @@ std::string scene_of(const scene::RunResult& result, const scene::SectionSpec& s
     }
     bodies += "outline = [" + outline + "]\njoint = [" + names + "]\n\n";
   }
-  Vec3 gravity = result.stability ? result.stability->gravity : Vec3{0, 0, -9.81};
-  const bool shaken = result.stability && norm(result.stability->seismic) > 0;
-  if (shaken) gravity += norm(gravity) * result.stability->seismic;
+  Vec3 gravity = result.stability ? result.stability->loads.body.gravity() : Vec3{0, 0, -9.81};
+  const bool shaken = result.stability && norm(result.stability->loads.body.seismic()) > 0;
+  if (shaken) gravity += norm(gravity) * result.stability->loads.body.seismic();
   std::string out = "# Section of " + result.scene_file + ", written by cleave: run it with `cleave run`.\n";
   out += spec.horizontal ? "# Level z = " + number(spec.through.z) + " m; x = east, y = north.\n"
                          : "# Vertical, through (" + number(spec.through.x) + ", " + number(spec.through.y) +
                                "); x towards azimuth " + number(spec.azimuth) + " degrees, y up.\n";
   out += "title = " + toml_string(result.title + ": section") +
-         "\n\n[rock]\ndensity = " + number(result.rock.density.si()) + "\n\n" + joints.text();
+         "\n\n[rock]\ndensity = " + number(result.rock.mass.density().si()) + "\n\n" + joints.text();
   if (cut) {
     out +=
         "# Cuts through rock: blocks that are rings in the section.\n[joints.intact]\nfriction = 60\ncohesion = "

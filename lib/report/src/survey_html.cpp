@@ -246,7 +246,7 @@ std::string nets_section(const scene::SurveyScene& scene, const survey::SurveyRe
   for (const survey::SetResult& set : result.sets) sets.push_back({set.name, set.joints});
   sets.push_back({"unassigned", result.unassigned});
   for (std::size_t i = 0; i < scene.input.orientations.size(); ++i) {
-    const std::size_t set = std::min(result.set_of[i], result.sets.size());
+    const std::size_t set = result.set_of[i].value_or(result.sets.size());
     poles.push_back({scene.input.orientations[i].normal, static_cast<std::uint32_t>(set)});
     normals.push_back(scene.input.orientations[i].normal);
     const auto& o = scene.input.orientations[i];

@@ -1,36 +1,35 @@
-#include "cleave/scene/plan_stages.hpp"
+#include "cleave/scene/plan_steps.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
 
-#include "cleave/core/enum_names.hpp"
+#include "cleave/core/fields.hpp"
 
 namespace cleave::scene {
 
-std::string_view name_of(Stage stage) noexcept { return enum_name(stage); }
+std::string_view name_of(Step step) noexcept { return enum_name(step); }
 
-bool Plan::runs(Stage stage) const noexcept {
-  return std::ranges::any_of(stages,
-                             [&](const PlannedStage& planned) { return planned.stage == stage && planned.run; });
+bool Plan::runs(Step step) const noexcept {
+  return std::ranges::any_of(steps, [&](const PlannedStep& planned) { return planned.step == step && planned.run; });
 }
 
 std::string describe(const Plan& plan, bool inputs) {
   std::string text;
-  for (const PlannedStage& stage : plan.stages) {
-    text += fmt::format("  {:<12} {:<9} {}", name_of(stage.stage), stage.run ? "run" : "left out", stage.why);
-    if (inputs && stage.run && !stage.inputs.empty()) text += fmt::format(" [{}]", fmt::join(stage.inputs, ", "));
-    if (inputs && stage.run && stage.seconds >= 0.1) text += fmt::format(" (about {:.1f} s)", stage.seconds);
+  for (const PlannedStep& planned : plan.steps) {
+    text += fmt::format("  {:<12} {:<9} {}", name_of(planned.step), planned.run ? "run" : "left out", planned.why);
+    if (inputs && planned.run && !planned.inputs.empty()) text += fmt::format(" [{}]", fmt::join(planned.inputs, ", "));
+    if (inputs && planned.run && planned.seconds >= 0.1) text += fmt::format(" (about {:.1f} s)", planned.seconds);
     text += "\n";
   }
   return text;
 }
 
 void add_inputs(const KeyTable& keys, const std::vector<std::string>& given, Plan& plan) {
-  for (const auto& [stage, names] : keys.steps) {
-    const auto planned = std::ranges::find(plan.stages, stage, &PlannedStage::stage);
-    if (planned == plan.stages.end() || !planned->run) continue;
+  for (const auto& [step, names] : keys.steps) {
+    const auto planned = std::ranges::find(plan.steps, step, &PlannedStep::step);
+    if (planned == plan.steps.end() || !planned->run) continue;
     for (const std::string_view name : names) {
       if (std::ranges::find(given, name) != given.end()) planned->inputs.emplace_back(name);
     }
@@ -47,26 +46,26 @@ ResultHead head_of(const SceneHead& scene, Plan plan) {
           .output = scene.output};
 }
 
-Plan plan_of_bodies(Stage work, const std::string& why, const std::string& files, bool report) {
-  const auto planned = [&](Stage stage) -> PlannedStage {
-    if (stage == work) return {stage, true, why};
-    switch (stage) {
-      case Stage::read: return {stage, true, "the scene"};
-      case Stage::draw:
-      case Stage::cut:
-      case Stage::audit:
-      case Stage::stability: return {stage, false, "no [domain]: a scene of bodies"};
-      case Stage::support: return {stage, false, "no [support]"};
-      case Stage::monte_carlo: return {stage, false, "no [monte_carlo]: one run"};
-      case Stage::elastic: return {stage, false, "no [elastic]: the bodies are in contact"};
-      case Stage::contact: return {stage, false, "no contacts between bodies"};
-      case Stage::write: return {stage, true, "summary.json, log.txt" + files};
-      case Stage::report: return {stage, report, report ? "report.html" : "output.report = false"};
+Plan plan_of_bodies(Step work, const std::string& why, const std::string& files, bool report) {
+  const auto planned = [&](Step step) -> PlannedStep {
+    if (step == work) return {step, true, why};
+    switch (step) {
+      case Step::read: return {step, true, "the scene"};
+      case Step::draw:
+      case Step::cut:
+      case Step::audit:
+      case Step::stability: return {step, false, "no [domain]: a scene of bodies"};
+      case Step::support: return {step, false, "no [support]"};
+      case Step::monte_carlo: return {step, false, "no [monte_carlo]: one run"};
+      case Step::elastic: return {step, false, "no [elastic]: the bodies are in contact"};
+      case Step::contact: return {step, false, "no contacts between bodies"};
+      case Step::write: return {step, true, "summary.json, log.txt" + files};
+      case Step::report: return {step, report, report ? "report.html" : "output.report = false"};
     }
     std::unreachable();
   };
   Plan plan;
-  for (const Stage stage : all_stages) plan.stages.push_back(planned(stage));
+  for (const Step step : all_steps) plan.steps.push_back(planned(step));
   plan.estimate.blocks_low = plan.estimate.blocks_high = 0;
   return plan;
 }

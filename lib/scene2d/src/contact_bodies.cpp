@@ -318,13 +318,12 @@ dbem::Laws laws_of(const ContactScene& scene) {
     out.water_table = joint.water_table;
     out.dilation = std::tan(joint.dilation * std::numbers::pi / 180);
     out.dilation_slip = joint.dilation_slip;
-    out.normal_stiffness = joint.normal_stiffness.si();
-    out.shear_stiffness = joint.shear_stiffness.si();
+    if (joint.normal_stiffness) out.normal_stiffness = joint.normal_stiffness->si();
+    if (joint.shear_stiffness) out.shear_stiffness = joint.shear_stiffness->si();
     return out;
   };
-  const auto softer = [](JointStiffness a, JointStiffness b) {
-    const JointStiffness rigid;
-    return a > rigid && b > rigid ? std::min(a, b) : std::max(a, b);
+  const auto softer = [](std::optional<JointStiffness> a, std::optional<JointStiffness> b) {
+    return a && b ? std::min(a, b) : std::max(a, b);  // what is rigid, none, is below all
   };
   dbem::Laws laws;
   laws.otherwise = law(scene.joints[0]);

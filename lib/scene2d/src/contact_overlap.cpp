@@ -10,12 +10,6 @@ namespace {
 using bem::Vec2;
 using Polygon = std::vector<Vec2>;
 
-Box2 box_of(const Polygon& polygon) {
-  Box2 box;
-  for (const Vec2 p : polygon) box.add(p);
-  return box;
-}
-
 Vec2 next_of(const Polygon& polygon, std::size_t k) { return polygon[k + 1 == polygon.size() ? 0 : k + 1]; }
 
 double distance_to(const Polygon& polygon, Vec2 p) {

@@ -399,9 +399,8 @@ const KeyTable& elastic_scene_keys() {
     KeyTable table{.name = "elastic scene", .keys = head_keys()};
     table.keys.push_back({"elastic", key::table(&elastic_keys), "", "the problem"});
     table.keys.push_back({"body", key::tables(&elastic_body_keys), required, "elastic bodies"});
-    table.steps = {{Stage::elastic, {"elastic", "body", "rock"}},
-                   {Stage::write, {"output"}},
-                   {Stage::report, {"project", "output"}}};
+    table.steps = {
+        {Step::elastic, {"elastic", "body", "rock"}}, {Step::write, {"output"}}, {Step::report, {"project", "output"}}};
     return table;
   }();
   return keys;

@@ -347,8 +347,9 @@ std::vector<ContactJoint> parse_strengths(const TableReader& root) {
     joint.friction = named.table.number("friction").value_or(out[0].friction);
     joint.cohesion = named.table.number("cohesion").value_or(out[0].cohesion);
     joint.tension = named.table.number("tension").value_or(out[0].tension);
-    const auto stiffness = [&](string_view key, JointStiffness otherwise) {
-      return JointStiffness::from_si(named.table.number(key).value_or(otherwise.si()));
+    const auto stiffness = [&](string_view key, std::optional<JointStiffness> otherwise) {
+      const auto stated = named.table.number(key);
+      return stated ? JointStiffness::from_si(*stated) : otherwise;
     };
     joint.normal_stiffness = stiffness("normal_stiffness", out[0].normal_stiffness);
     const bool own = named.table.has("normal_stiffness");
@@ -388,9 +389,9 @@ const KeyTable& contact_scene_keys() {
     table.keys.push_back(
         {"body", key::tables(&contact_body_keys), required, "bodies that touch, slide, fall and come to rest"});
     table.keys.push_back({"bolt", key::tables(&contact_bolt_keys), "[]", "bolts that hold bodies together"});
-    table.steps = {{Stage::contact, {"contact", "body", "rock", "joints", "bolt"}},
-                   {Stage::write, {"output"}},
-                   {Stage::report, {"project", "output"}}};
+    table.steps = {{Step::contact, {"contact", "body", "rock", "joints", "bolt"}},
+                   {Step::write, {"output"}},
+                   {Step::report, {"project", "output"}}};
     return table;
   }();
   return keys;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cleave/scene/plan_stages.hpp"
+#include "cleave/scene/plan_steps.hpp"
 #include "cleave/scene2d/contact.hpp"
 #include "contact_bodies.hpp"
 #include "contact_parts.hpp"
@@ -27,9 +27,9 @@ double extent(const ContactScene& scene) {
 
 /// Largest strain that weight, loads and impacts can be expected to make: stress of the overburden, of the loads and
 /// of a wave of the speed at the start, over the modulus.
-double strain_of(const ContactScene& scene) {
+std::optional<double> strain_of(const ContactScene& scene) {
   const double size = extent(scene);
-  double most = 0;
+  std::optional<double> most;
   for (const ContactBody& body : scene.bodies) {
     if (body.fixed || !body.young) continue;
     double stress = body.density * norm(scene.settings.gravity) * size;
@@ -39,7 +39,7 @@ double strain_of(const ContactScene& scene) {
       stress += load.side ? std::abs(load.pressure) + norm(load.traction) : norm(load.force) / longest;
     }
     stress += std::sqrt(body.density * *body.young) * norm(body.velocity);
-    most = std::max(most, stress / *body.young);
+    most = std::max(most, std::optional{stress / *body.young});
   }
   return most;
 }
@@ -80,7 +80,7 @@ Deforming deforming_of(const ContactScene& scene) {
 }  // namespace
 
 RigidityChoice rigidity_of(const ContactScene& scene) {
-  const double strain = strain_of(scene);
+  const std::optional<double> strain = strain_of(scene);
   switch (scene.settings.rigidity) {
     case Rigidity::rigid: return {false, "rigid blocks: rigid = true", strain};
     case Rigidity::elastic: return {true, "elastic blocks: rigid = false", strain};
@@ -95,12 +95,12 @@ RigidityChoice rigidity_of(const ContactScene& scene) {
     return {false, "rigid blocks: no Young's modulus and Poisson's ratio for \"" + bare->name + "\"", strain};
   }
   if (scene.settings.in_situ) return {true, "elastic blocks: stress is locked in them", strain};
-  if (strain < strain_that_matters) {
-    return {false, fmt::format("rigid blocks: strains of about {:.1e} stay below {:.0e}", strain, strain_that_matters),
+  const double most = strain.value_or(0);
+  if (most < strain_that_matters) {
+    return {false, fmt::format("rigid blocks: strains of about {:.1e} stay below {:.0e}", most, strain_that_matters),
             strain};
   }
-  return {true, fmt::format("elastic blocks: strains of about {:.1e} reach {:.0e}", strain, strain_that_matters),
-          strain};
+  return {true, fmt::format("elastic blocks: strains of about {:.1e} reach {:.0e}", most, strain_that_matters), strain};
 }
 
 Plan make_plan(const ContactScene& scene) {
@@ -138,14 +138,14 @@ Plan make_plan(const ContactScene& scene) {
   if (scene.output.vtu) files += ", contact_NNNN.vtu, contact.pvd";
   if (scene.output.csv) files += scene.points.empty() ? ", history.csv" : ", history.csv, points.csv";
   if (scene.output.csv) files += ", bodies.csv";
-  Plan plan = plan_of_bodies(Stage::contact, why, files, scene.output.report);
+  Plan plan = plan_of_bodies(Step::contact, why, files, scene.output.report);
   // A contact a block and side; one warm solve a step.
   const auto blocks = static_cast<double>(moving);
   const double steps = s.duration / s.step;
   plan.estimate.memory_mb = 20 + blocks * 0.005 + deforming.memory_mb + 3e-5 * blocks * static_cast<double>(s.frames);
   plan.estimate.seconds =
       deforming.seconds + (s.to_rest ? std::min(steps, 2000.0) : steps) * (blocks * 2.06e-5 + 2e-7 * deforming.modes);
-  std::ranges::find(plan.stages, Stage::contact, &PlannedStage::stage)->seconds = plan.estimate.seconds;
+  std::ranges::find(plan.steps, Step::contact, &PlannedStep::step)->seconds = plan.estimate.seconds;
   add_inputs(contact_scene_keys(), scene.given, plan);
   return plan;
 }

@@ -7,7 +7,7 @@
 #include "body_runs.hpp"
 #include "cleave/bem/statics.hpp"
 #include "cleave/core/parallel.hpp"
-#include "cleave/scene/plan_stages.hpp"
+#include "cleave/scene/plan_steps.hpp"
 #include "cleave/scene2d/bodies.hpp"
 
 namespace cleave::scene {
@@ -225,7 +225,7 @@ Plan make_plan(const BodiesScene& scene) {
     if (!scene.stress || (!scene.output.report && !scene.output.vtu)) why += "; no stress inside: nothing asks for it";
     if (scene.gravity == Vec2{}) why += "; no weight";
   }
-  Plan plan = plan_of_bodies(Stage::elastic, why, scene.output.vtu ? ", bodies.vtu" : "", scene.output.report);
+  Plan plan = plan_of_bodies(Step::elastic, why, scene.output.vtu ? ", bodies.vtu" : "", scene.output.report);
   double unknowns = 0;
   for (const BodySpec& body : scene.bodies) {
     const bem::Mesh mesh = bem::make_mesh(body.region.loops, scene.options.mesh);
@@ -237,7 +237,7 @@ Plan make_plan(const BodiesScene& scene) {
   // The estimate of the error runs it once more with twice the step.
   const double runs = moving && scene.time->estimate ? 1.5 : 1;
   if (moving) plan.estimate.seconds += runs * 4e-9 * unknowns * scene.time->end / scene.time->step;
-  std::ranges::find(plan.stages, Stage::elastic, &PlannedStage::stage)->seconds = plan.estimate.seconds;
+  std::ranges::find(plan.steps, Step::elastic, &PlannedStep::step)->seconds = plan.estimate.seconds;
   add_inputs(elastic_scene_keys(), scene.given, plan);
   return plan;
 }

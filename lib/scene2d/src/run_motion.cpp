@@ -93,7 +93,9 @@ std::optional<Problem> set_up(const BodiesScene& scene, std::size_t b, unsigned 
     *options.mesh.element *= static_cast<double>(fineness.coarse);
     options.mesh.arc_degrees = std::min(45.0, options.mesh.arc_degrees * static_cast<double>(fineness.coarse));
     for (bem::Loop& loop : loops) {
-      for (bem::Side& side : loop) side.elements = (side.elements + fineness.coarse - 1) / fineness.coarse;
+      for (bem::Side& side : loop) {
+        if (side.elements) side.elements = (*side.elements + fineness.coarse - 1) / fineness.coarse;
+      }
     }
   }
   auto made = bem::BlockOperator::make(loops, spec.region.material, options);

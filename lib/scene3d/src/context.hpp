@@ -3,6 +3,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cleave/core/quantity.hpp"
@@ -37,14 +38,27 @@ struct ParsedStability {
 [[nodiscard]] ParsedStability parse_stability(const Context& context, const TableReader& root,
                                               const std::optional<geometry::Solid>& domain,
                                               const std::vector<Excavation>& excavations);
+/// Loads as a table states them, before they are added up.
+struct StatedLoads {
+  geometry::Vec3 seismic{0, 0, 0};  ///< force / weight, in the direction the rock is pushed
+  std::optional<stability::WaterTable> water = {};
+  std::optional<NumberLaw> water_level = {};             ///< m, where it is drawn; `water` has the median
+  std::vector<std::pair<SetId, double>> pressures = {};  ///< Pa, mean water pressure in the joints of a set
+  std::vector<stability::Surcharge> surcharges = {};
+  std::vector<stability::PointForce> points = {};
+  std::vector<stability::LineForce> lines = {};
+  std::uint32_t line = 1;  ///< in the scene file
+};
 /// Keys seismic, water, surcharge, point and line of [stability] or of one [[load]].
-[[nodiscard]] LoadSet parse_load_set(const Context& context, const TableReader& table,
-                                     const std::optional<geometry::Solid>& domain,
-                                     const std::vector<Excavation>& excavations);
+[[nodiscard]] StatedLoads parse_load_set(const Context& context, const TableReader& table,
+                                         const std::optional<geometry::Solid>& domain,
+                                         const std::vector<Excavation>& excavations);
+[[nodiscard]] LoadSet checked(const Context& context, const StatedLoads& loads, geometry::Vec3 gravity);
 /// The [[load]] tables, each with the loads of `base`.
 [[nodiscard]] std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader& root,
                                                      const std::optional<geometry::Solid>& domain,
-                                                     const std::vector<Excavation>& excavations, const LoadSet& base);
+                                                     const std::vector<Excavation>& excavations,
+                                                     const StatedLoads& base, geometry::Vec3 gravity);
 [[nodiscard]] std::optional<SupportSettings> parse_support(const TableReader& root,
                                                            const std::vector<Excavation>& excavations,
                                                            const std::optional<StabilitySettings>& stability);

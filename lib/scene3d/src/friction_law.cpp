@@ -1,4 +1,6 @@
 #include <cmath>
+#include <expected>
+#include <optional>
 #include <utility>
 
 #include "cleave/core/rng.hpp"
@@ -50,5 +52,11 @@ double quantile_of(const Law& law, double u) {
 FrictionAngle FrictionLaw::quantile(double u) const { return FrictionAngle::degrees(quantile_of(*this, u)); }
 Stress StressLaw::quantile(double u) const { return pascals(quantile_of(*this, u)); }
 double NumberLaw::quantile(double u) const { return quantile_of(*this, u); }
+
+std::expected<stability::JointStrength, stability::StrengthError> joint_strength(
+    FrictionAngle friction, Stress cohesion, Stress tension, const std::optional<stability::Roughness>& roughness) {
+  if (!roughness) return stability::JointStrength::make(friction, cohesion, tension);
+  return stability::JointStrength::barton_bandis(friction, roughness->jrc, roughness->jcs, tension);
+}
 
 }  // namespace cleave::scene

@@ -183,16 +183,16 @@ const KeyTable& scene_keys() {
            {"micro_blocks", key::table(&micro_blocks_keys), "", "blocks thinner or smaller than a limit"},
            {"monte_carlo", key::table(&monte_carlo_keys), "", "many realizations instead of one run"},
            {"output", key::table(&output_keys), "", "files of the result"}},
-      .steps = {{Stage::read, {"include"}},
-                {Stage::draw, {"joint_set", "joints"}},
-                {Stage::cut, {"domain", "joint", "excavation", "scanline"}},
-                {Stage::stability, {"rock", "joints", "stability", "load", "sequence", "micro_blocks"}},
-                {Stage::support, {"support"}},
-                {Stage::monte_carlo, {"monte_carlo"}},
-                {Stage::elastic, {"field_stress"}},
-                {Stage::contact, {"motion"}},
-                {Stage::write, {"output"}},
-                {Stage::report, {"project", "output"}}}};
+      .steps = {{Step::read, {"include"}},
+                {Step::draw, {"joint_set", "joints"}},
+                {Step::cut, {"domain", "joint", "excavation", "scanline"}},
+                {Step::stability, {"rock", "joints", "stability", "load", "sequence", "micro_blocks"}},
+                {Step::support, {"support"}},
+                {Step::monte_carlo, {"monte_carlo"}},
+                {Step::elastic, {"field_stress"}},
+                {Step::contact, {"motion"}},
+                {Step::write, {"output"}},
+                {Step::report, {"project", "output"}}}};
   return keys;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cleave/core/nearest.hpp"
+#include "cleave/geometry/tunnel.hpp"
 #include "cleave/scene3d/key_tables.hpp"
 #include "context.hpp"
 
@@ -100,8 +101,10 @@ void check_stiffness(const TableReader& table, const Context& context, const std
 
 /// A field that changes with depth, or ends at the surface, is one of a level tunnel below it.
 void check_depth(const TableReader& table, const FieldStressSettings& settings, const TunnelLine& line) {
-  const geometry::Vec3 axis = geometry::normalized(line.axis[1] - line.axis[0]);
-  const bool vertical_section = std::abs(axis.z) < 1e-9 && geometry::norm(geometry::cross(line.up, {0, 0, 1})) < 1e-9;
+  const geometry::SectionFrame section = geometry::section_frames(line.axis, line.up).front();
+  const geometry::Vec3 axis = section.along;
+  const bool vertical_section =
+      std::abs(axis.z) < 1e-9 && geometry::norm(geometry::cross(section.up, {0, 0, 1})) < 1e-9;
   const bool varies = largest(settings.gradient) > 0;
   if (!vertical_section && (varies || settings.surface)) {
     table.error(

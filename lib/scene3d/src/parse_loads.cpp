@@ -84,7 +84,7 @@ std::optional<FreeSurface> parse_surface(const TableReader& table, const std::op
   return std::nullopt;
 }
 
-std::optional<stability::WaterTable> parse_water(const Context& context, const TableReader& owner, LoadSet& loads) {
+std::optional<stability::WaterTable> parse_water(const Context& context, const TableReader& owner, StatedLoads& loads) {
   const auto found = owner.sub("water");
   if (!found) return std::nullopt;
   const TableReader& table = *found;
@@ -136,7 +136,7 @@ std::optional<stability::Box> parse_within(const TableReader& owner) {
 }
 
 void parse_surcharge(const TableReader& table, const std::optional<geometry::Solid>& domain,
-                     const std::vector<Excavation>& excavations, LoadSet& loads) {
+                     const std::vector<Excavation>& excavations, StatedLoads& loads) {
   const auto surface = parse_surface(table, domain, excavations);
   const auto traction = table.vec3("traction");
   const auto pressure = table.number("pressure");
@@ -151,7 +151,7 @@ void parse_surcharge(const TableReader& table, const std::optional<geometry::Sol
                               .pressure = pascals(pressure.value_or(0))});
 }
 
-void add(LoadSet& sum, const LoadSet& part, double factor) {
+void add(StatedLoads& sum, const StatedLoads& part, double factor) {
   sum.seismic += factor * part.seismic;
   if (part.water) {
     stability::WaterTable water = *part.water;
@@ -216,9 +216,9 @@ const KeyTable& load_keys() {
   return keys;
 }
 
-LoadSet parse_load_set(const Context& context, const TableReader& table, const std::optional<geometry::Solid>& domain,
-                       const std::vector<Excavation>& excavations) {
-  LoadSet loads{.line = table.line()};
+StatedLoads parse_load_set(const Context& context, const TableReader& table,
+                           const std::optional<geometry::Solid>& domain, const std::vector<Excavation>& excavations) {
+  StatedLoads loads{.line = table.line()};
   if (const auto seismic = table.vec3("seismic")) loads.seismic = *seismic;
   loads.water = parse_water(context, table, loads);
   for (const TableReader& t : table.each("surcharge")) parse_surcharge(t, domain, excavations, loads);
@@ -239,14 +239,37 @@ LoadSet parse_load_set(const Context& context, const TableReader& table, const s
   return loads;
 }
 
+LoadSet checked(const Context& context, const StatedLoads& loads, geometry::Vec3 gravity) {
+  LoadSet out{.water_level = loads.water_level, .line = loads.line};
+  if (const auto body = stability::Loads::make(gravity, loads.seismic)) {
+    out.body = *body;
+  } else {
+    context.problems.error(loads.line, "seismic", describe(body.error()), "");
+  }
+  stability::ActionSpec spec{.water = loads.water,
+                             .joint_pressure = {},
+                             .surcharges = loads.surcharges,
+                             .points = loads.points,
+                             .lines = loads.lines};
+  if (!loads.pressures.empty()) spec.joint_pressure.resize(context.sets.size());
+  for (const auto& [set, pressure] : loads.pressures) spec.joint_pressure[set.index()] = pressure;
+  if (auto actions = stability::Actions::make(std::move(spec))) {
+    out.actions = *std::move(actions);
+  } else {
+    context.problems.error(loads.line, actions.error().which, actions.error().what, "");
+  }
+  return out;
+}
+
 std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader& root,
                                        const std::optional<geometry::Solid>& domain,
-                                       const std::vector<Excavation>& excavations, const LoadSet& base) {
+                                       const std::vector<Excavation>& excavations, const StatedLoads& base,
+                                       geometry::Vec3 gravity) {
   std::vector<LoadCase> cases;
-  std::vector<LoadSet> own;
+  std::vector<StatedLoads> own;
   for (const TableReader& table : root.each("load")) {
     const auto name = table.need_text("name");
-    LoadSet loads = parse_load_set(context, table, domain, excavations);
+    StatedLoads loads = parse_load_set(context, table, domain, excavations);
     if (const TomlTable* combine = table.table("combine")) {
       for (const TomlEntry& entry : combine->entries) {
         const std::string path = table.path_of("combine") + "." + entry.key;
@@ -267,7 +290,7 @@ std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader
       continue;
     }
     own.push_back(loads);
-    LoadSet total = base;
+    StatedLoads total = base;
     // Water of the case takes the place of that of [stability]; forces add up.
     if (loads.water) {
       total.water.reset();
@@ -279,7 +302,7 @@ std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader
     }
     add(total, loads, 1);
     total.line = table.line();
-    cases.push_back({*name, std::move(total)});
+    cases.push_back({*name, checked(context, total, gravity)});
   }
   return cases;
 }

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string_view>
 #include <vector>
@@ -35,9 +34,6 @@ constexpr NumberRule wall_rule = NumberRule{0, true, 1e15, false, " Pa"}.usually
 constexpr NumberRule stiffness_rule = NumberRule{0, true, 1e18, false, " Pa/m"}.usually(1e7, 1e13);
 constexpr NumberRule young_rule = NumberRule{0, true, 1e15, false, " Pa"}.usually(1e8, 1e13);
 constexpr NumberRule poisson_rule{-1, true, 0.5, true, ""};
-constexpr std::array<string_view, 5> law_words{"uniform", "normal", "lognormal", "exponential", "constant"};
-constexpr std::array<Kind, 5> law_kinds{Kind::uniform, Kind::normal, Kind::lognormal, Kind::exponential,
-                                        Kind::constant};
 
 std::optional<Law> parse_law(const TableReader& owner, string_view key) {
   const TomlEntry* entry = owner.find(key);
@@ -55,10 +51,9 @@ std::optional<Law> parse_law(const TableReader& owner, string_view key) {
                   "add distribution = \"uniform\" (with min and max) or \"normal\" (with mean and std)");
     return std::nullopt;
   }
-  const auto word = table.choice("distribution");
-  if (!word) return std::nullopt;
-  Law law;
-  law.kind = law_kinds[*word];
+  const auto kind = table.given_word<Kind>("distribution");
+  if (!kind) return std::nullopt;
+  Law law{.kind = *kind, .mean = {}, .std = {}, .min = {}, .max = {}};
   const bool uniform = law.kind == Kind::uniform;
   const bool with_std = law.kind == Kind::normal || law.kind == Kind::lognormal;
   if (uniform && (!table.has("min") || !table.has("max"))) {
@@ -134,13 +129,12 @@ JointProperties with(JointProperties base, const Stated& stated) {
   if (stated.cohesion) base.cohesion = *stated.cohesion;
   if (stated.tension) base.tension = *stated.tension;
   if (stated.correlation) base.friction_cohesion = *stated.correlation;
-  if (stated.cohesion) base.jrc = 0;  // a straight law of its own
+  if (stated.cohesion) base.roughness.reset();  // a straight law of its own
   if (stated.normal_stiffness && stated.shear_stiffness) {
     base.stiffness = {pascals_per_metre(*stated.normal_stiffness), pascals_per_metre(*stated.shear_stiffness)};
   }
   if (stated.jrc && stated.jcs) {
-    base.jrc = *stated.jrc;
-    base.jcs = pascals(*stated.jcs);
+    base.roughness = {*stated.jrc, pascals(*stated.jcs)};
     base.cohesion = StressLaw{};
   }
   return base;
@@ -150,7 +144,8 @@ JointProperties with(JointProperties base, const Stated& stated) {
 /// nothing along itself.
 void note_apex(Context& context, std::string_view name, std::uint32_t line, const JointProperties& of) {
   constexpr auto constant = FrictionLaw::Kind::constant;
-  if (of.jrc > 0 || of.friction.kind != constant || of.cohesion.kind != constant || of.tension.kind != constant) return;
+  if (of.roughness || of.friction.kind != constant || of.cohesion.kind != constant || of.tension.kind != constant)
+    return;
   const double tangent = std::tan(FrictionAngle::degrees(of.friction.mean).radians());
   if (!(of.tension.mean * tangent > of.cohesion.mean)) return;
   context.problems.note(
@@ -167,7 +162,7 @@ KeyTable make_law_keys(const NumberRule& rule) {
   NumberRule limit = rule;
   limit.usual.reset();
   return {.name = rule.unit.empty() ? std::string{"law"} : fmt::format("law in{}", rule.unit),
-          .keys = {{"distribution", key::word(law_words), required,
+          .keys = {{"distribution", key::word<FrictionLaw::Kind>(), required,
                     "`uniform` has `min` and `max`, `normal` and "
                     "`lognormal` have `mean` and `std`, `exponential` and `constant` have `mean`"},
                    {"mean", key::number(rule), "", "of the law before it is cut to `min`..`max`"},
@@ -279,7 +274,11 @@ Rock parse_rock(const TableReader& root) {
   Rock rock;
   const auto table = root.sub("rock");
   if (!table) return rock;
-  rock.density = kilograms_per_cubic_metre(table->value("density"));
+  if (const auto mass = stability::RockMass::make(kilograms_per_cubic_metre(table->value("density")))) {
+    rock.mass = *mass;
+  } else {
+    table->error("density", describe(mass.error()), "");
+  }
   static_cast<void>(table->number("young"));  // stresses around a tunnel do not depend on it
   rock.poisson = table->number("poisson");
   return rock;

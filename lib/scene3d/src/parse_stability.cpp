@@ -80,7 +80,7 @@ const KeyTable& maximum_keys() {
   return keys;
 }
 
-PartialFactors parse_partial(const TableReader& stability) {
+stability::PartialFactors parse_partial(const TableReader& stability) {
   const auto table = stability.sub("partial");
   if (!table) return {};
   for (const std::string_view key : {"friction", "cohesion"}) {
@@ -91,7 +91,10 @@ PartialFactors parse_partial(const TableReader& stability) {
           fmt::format("for {:g} times the strength set {:.4g}", factor, 1 / factor));
     }
   }
-  return {table->value("friction"), table->value("cohesion"), table->value("weight")};
+  const auto made =
+      stability::PartialFactors::make(table->value("friction"), table->value("cohesion"), table->value("weight"));
+  if (!made) stability.error("partial", describe(made.error()), "");
+  return made.value_or(stability::PartialFactors{});
 }
 
 std::optional<Targets> parse_target(const TableReader& stability) {
@@ -166,6 +169,14 @@ std::optional<MaximumBlockSettings> parse_maximum_blocks(const Context& context,
       table.error("sets", "names fewer than three sets", "three planes make a block at a tunnel");
     }
   }
+  for (const NamedSet& set : context.sets) {
+    constexpr double half = 0.5;
+    const JointProperties& p = set.properties;
+    const auto median =
+        joint_strength(p.friction.quantile(half), p.cohesion.quantile(half), p.tension.quantile(half), p.roughness);
+    if (!median) table.problems().error(settings.line, "joints." + set.name, describe(median.error()), "");
+    settings.medians.push_back(median.value_or(stability::JointStrength::none()));
+  }
   return settings;
 }
 
@@ -227,18 +238,20 @@ ParsedStability parse_stability(const Context& context, const TableReader& root,
                                 const std::vector<Excavation>& excavations) {
   ParsedStability result;
   StabilitySettings settings;
+  StatedLoads loads;
+  geometry::Vec3 gravity = settings.loads.body.gravity();
   if (const auto found = root.sub("stability")) {
     const TableReader& table = *found;
     result.free_domain_tags = parse_free(table, domain);
-    if (const TomlEntry* gravity = table.find("gravity")) {
-      if (std::holds_alternative<TomlArray>(gravity->node.value)) {
-        if (const auto vector = table.vec3("gravity")) settings.gravity = *vector;
+    if (const TomlEntry* entry = table.find("gravity")) {
+      if (std::holds_alternative<TomlArray>(entry->node.value)) {
+        if (const auto vector = table.vec3("gravity")) gravity = *vector;
       } else {
-        settings.gravity = {0, 0, -table.value("gravity")};
+        gravity = {0, 0, -table.value("gravity")};
       }
     }
-    settings.loads = parse_load_set(context, table, domain, excavations);
-    settings.seismic = settings.loads.seismic;
+    loads = parse_load_set(context, table, domain, excavations);
+    settings.loads = checked(context, loads, gravity);
     settings.partial = parse_partial(table);
     settings.target = parse_target(table);
     parse_transfer(table, settings);
@@ -254,7 +267,7 @@ ParsedStability parse_stability(const Context& context, const TableReader& root,
     settings.parallel_contact = table.flag("cohesion_on_parallel_faces");
     settings.group_friction = table.word<stability::GroupFriction>("group_friction");
   }
-  settings.cases = parse_load_cases(context, root, domain, excavations, settings.loads);
+  settings.cases = parse_load_cases(context, root, domain, excavations, loads, gravity);
   // Without anything free no block can move, so there is nothing to judge, [stability] or not.
   if (!excavations.empty() || !result.free_domain_tags.empty()) result.settings = settings;
   return result;

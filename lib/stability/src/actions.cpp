@@ -54,4 +54,19 @@ std::expected<Actions, BadAction> Actions::make(ActionSpec spec) {
   return actions;
 }
 
+Actions Actions::with_water_level(double level) const {
+  Actions other = *this;
+  if (other.spec_.water) other.spec_.water->level = level;
+  return other;
+}
+
+Actions Actions::with_pressures_of(std::span<const std::size_t> from) const {
+  Actions other = *this;
+  other.spec_.joint_pressure.clear();
+  for (const std::size_t k : from) {
+    other.spec_.joint_pressure.push_back(k < spec_.joint_pressure.size() ? spec_.joint_pressure[k] : std::nullopt);
+  }
+  return other;
+}
+
 }  // namespace cleave::stability

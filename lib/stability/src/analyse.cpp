@@ -3,20 +3,11 @@
 #include <utility>
 
 #include "analyse_complex.hpp"
+#include "cleave/core/fields.hpp"
 
 namespace cleave::stability {
 
-std::string_view name(Mode mode) noexcept {
-  switch (mode) {
-    case Mode::falling: return "falling";
-    case Mode::lifting: return "lifting";
-    case Mode::sliding: return "sliding";
-    case Mode::wedge: return "wedge";
-    case Mode::stable: return "stable";
-    case Mode::tapered: return "tapered";
-  }
-  std::unreachable();
-}
+std::string_view name(Mode mode) noexcept { return enum_name(mode); }
 
 bool moves(Mode mode) noexcept {
   switch (mode) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "bolt_grips.hpp"
+#include "cleave/core/fields.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/stability/support.hpp"
 
@@ -61,15 +62,7 @@ double bond_of(const BoltType& type) {
       type.kind);
 }
 
-std::string_view name(BoltLimit limit) noexcept {
-  switch (limit) {
-    case BoltLimit::head: return "head";
-    case BoltLimit::tendon: return "tendon";
-    case BoltLimit::anchor: return "anchor";
-    case BoltLimit::shear: return "shear";
-  }
-  std::unreachable();
-}
+std::string_view name(BoltLimit limit) noexcept { return enum_name(limit); }
 
 double gripped_length(const BoltType& type, double length, double from, double to) {
   return std::max(0.0, to - std::max(from, grip_begins(type, length)));

@@ -96,11 +96,10 @@ std::vector<MaximumKeyBlock> maximum_key_blocks(std::span<const TheoryPlane> pla
                                                 const TheoryLoads& loads, const Persistence& persistence,
                                                 double least) {
   std::vector<MaximumKeyBlock> found;
-  const auto body = Loads::make(loads.gravity, loads.seismic);
-  const auto rock = RockMass::make(loads.density);
-  if (!body || !rock || planes.size() < 3) return found;
-  const Settings settings{.rock = *rock, .strengths = StrengthTable{planes[0].strength}, .loads = *body};
-  const double weight_per_volume = loads.density.si() * norm(loads.gravity) * loads.partial.weight();
+  if (planes.size() < 3) return found;
+  const Settings settings{.rock = loads.rock, .strengths = StrengthTable{planes[0].strength}, .loads = loads.body};
+  const Vec3 gravity = loads.body.gravity(), seismic = loads.body.seismic();
+  const double weight_per_volume = loads.rock.density().si() * norm(gravity) * loads.partial.weight();
   for (std::size_t i = 0; i < planes.size(); ++i) {
     for (std::size_t j = i + 1; j < planes.size(); ++j) {
       for (std::size_t k = j + 1; k < planes.size(); ++k) {
@@ -138,8 +137,8 @@ std::vector<MaximumKeyBlock> maximum_key_blocks(std::span<const TheoryPlane> pla
             loaded.contacts.groups.push_back(std::move(contact));
           }
           const double weight = weight_per_volume * block->volume;
-          loaded.resultant = Resultant::along(loads.gravity, newtons(weight));
-          loaded.resultant.add(weight * loads.seismic, weight * norm(loads.seismic));
+          loaded.resultant = Resultant::along(gravity, newtons(weight));
+          loaded.resultant.add(weight * seismic, weight * norm(seismic));
           const Verdict v = judge(loaded.contacts, loaded.resultant, settings);
           row.weight = newtons(weight);
           row.mode = v.mode;

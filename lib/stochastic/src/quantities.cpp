@@ -1,6 +1,6 @@
 #include <utility>
 
-#include "cleave/core/enum_names.hpp"
+#include "cleave/core/fields.hpp"
 #include "cleave/stochastic/ensemble.hpp"
 #include "number.hpp"
 

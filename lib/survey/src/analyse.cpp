@@ -66,14 +66,14 @@ class Analysis final {
   }
 
   void assign() {
-    out_.set_of.assign(normals_.size(), Clustering::unassigned);
+    out_.set_of.assign(normals_.size(), std::nullopt);
     for (const SetRule& rule : in_.rules) static_cast<void>(set_named(rule.name));
-    if (in_.clusters > 0 && !normals_.empty()) {
-      const Clustering found = cluster(normals_, weights_, in_.clusters);
+    if (in_.clusters && !normals_.empty()) {
+      const Clustering found = cluster(normals_, weights_, *in_.clusters);
       for (std::size_t k = 0; k < found.centres.size(); ++k) static_cast<void>(set_named(fmt::format("set{}", k + 1)));
       const std::size_t first = out_.sets.size() - found.centres.size();
       for (std::size_t i = 0; i < normals_.size(); ++i) {
-        if (found.set[i] != Clustering::unassigned) out_.set_of[i] = first + found.set[i];
+        if (found.set[i]) out_.set_of[i] = first + *found.set[i];
       }
     } else {
       for (std::size_t i = 0; i < normals_.size(); ++i) {
@@ -83,12 +83,12 @@ class Analysis final {
             break;
           }
         }
-        if (out_.set_of[i] == Clustering::unassigned && !in_.orientations[i].set.empty()) {
+        if (!out_.set_of[i] && !in_.orientations[i].set.empty()) {
           out_.set_of[i] = set_named(in_.orientations[i].set);
         }
       }
       if (in_.rules.empty() && !normals_.empty() &&
-          std::ranges::all_of(out_.set_of, [](std::size_t s) { return s == Clustering::unassigned; })) {
+          std::ranges::all_of(out_.set_of, [](const auto& set) { return !set; })) {
         const std::size_t all = set_named("all");
         std::ranges::fill(out_.set_of, all);
         out_.notes.emplace_back(
@@ -96,7 +96,7 @@ class Analysis final {
             "or polygons");
       }
     }
-    for (const std::size_t set : out_.set_of) out_.unassigned += set == Clustering::unassigned ? 1U : 0U;
+    for (const auto& set : out_.set_of) out_.unassigned += set ? 0U : 1U;
     if (normals_.size() >= 10) {
       for (std::size_t k = 2; k <= 8; ++k) {
         out_.silhouettes.emplace_back(k, cluster(normals_, weights_, k, false).silhouette);
@@ -226,7 +226,7 @@ class Analysis final {
   void assign_traces() {
     for (const WindowSurvey& window : in_.windows) {
       seen_.push_back(seen_through(window.window, window.traces, window.border.si()));
-      auto& sets = trace_set_.emplace_back(seen_.back().size(), Clustering::unassigned);
+      auto& sets = trace_set_.emplace_back(seen_.back().size());
       for (std::size_t i = 0; i < seen_.back().size(); ++i) {
         const double a = azimuth_of(window, seen_.back()[i].direction);
         double best = out_.sets.size() == 1 ? 91 : 30;
@@ -456,7 +456,7 @@ class Analysis final {
   std::vector<Vec3> normals_;
   std::vector<double> weights_;
   std::vector<std::vector<SeenTrace>> seen_;
-  std::vector<std::vector<std::size_t>> trace_set_;
+  std::vector<std::vector<std::optional<std::size_t>>> trace_set_;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "cleave/core/fields.hpp"
 #include "cleave/core/rng.hpp"
 #include "cleave/core/special.hpp"
 #include "maximum_likelihood.hpp"
@@ -16,7 +17,6 @@ namespace {
 
 constexpr double tiny = 1e-300;
 
-double normal_density(double z) { return std::exp(-z * z / 2) / std::sqrt(2 * std::numbers::pi); }
 /// What a normal law leaves above 0.
 double above_zero(const Fit& fit) { return special::normal_cdf(fit.a / fit.b); }
 
@@ -89,17 +89,7 @@ std::array<double, 2> start_of(Family family, double mean) {
 
 }  // namespace detail
 
-std::string_view name_of(Family family) noexcept {
-  switch (family) {
-    case Family::exponential: return "exponential";
-    case Family::lognormal: return "lognormal";
-    case Family::gamma: return "gamma";
-    case Family::power: return "power";
-    case Family::normal: return "normal";
-    case Family::constant: return "constant";
-  }
-  std::unreachable();
-}
+std::string_view name_of(Family family) noexcept { return enum_name(family); }
 
 double Fit::density(double x) const {
   if (!(x > 0)) return 0;
@@ -113,7 +103,7 @@ double Fit::density(double x) const {
     case Family::power:
       if (x < min || x > max) return 0;
       return a * std::pow(x, -a - 1) / (std::pow(min, -a) - std::pow(max, -a));
-    case Family::normal: return normal_density((x - a) / b) / (b * above_zero(*this));
+    case Family::normal: return special::normal_density((x - a) / b) / (b * above_zero(*this));
     case Family::constant: return 0;  // it has none
   }
   std::unreachable();
@@ -162,7 +152,7 @@ double Fit::moment(int k) const {
                                     : c * (std::pow(max, k - a) - std::pow(min, k - a)) / (k - a);
     }
     case Family::normal: {
-      double before = 1, m = a + b * normal_density(a / b) / above_zero(*this);
+      double before = 1, m = a + b * special::normal_density(a / b) / above_zero(*this);
       for (int i = 2; i <= k; ++i) before = std::exchange(m, a * m + (i - 1) * b * b * before);
       return m;
     }
@@ -186,7 +176,7 @@ double Fit::mean_excess(double x) const {
     }
     case Family::normal: {
       const double z = (x - a) / b;
-      return std::max(0.0, b * (normal_density(z) - z * special::normal_cdf(-z)) / above_zero(*this));
+      return std::max(0.0, b * (special::normal_density(z) - z * special::normal_cdf(-z)) / above_zero(*this));
     }
     case Family::constant: return std::max(0.0, a - x);
   }

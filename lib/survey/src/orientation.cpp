@@ -315,8 +315,9 @@ std::vector<Vec3> first_centres(std::span<const Vec3> normals, std::size_t sets)
   return centres;
 }
 
-/// Own set against the nearest other one; mean over at most 2,000 joints.
-double silhouette_of(std::span<const Vec3> normals, const std::vector<std::size_t>& set, std::size_t sets) {
+/// Own set against the nearest other one; mean over at most 2,000 joints, each of which has a set.
+double silhouette_of(std::span<const Vec3> normals, const std::vector<std::optional<std::size_t>>& set,
+                     std::size_t sets) {
   const std::size_t n = normals.size(), look = std::max<std::size_t>(1, n / 2000);
   double total = 0;
   std::size_t looked = 0;
@@ -325,8 +326,8 @@ double silhouette_of(std::span<const Vec3> normals, const std::vector<std::size_
     std::vector<std::size_t> count(sets, 0);
     for (std::size_t j = 0; j < n; j += look) {
       if (i == j) continue;
-      sum[set[j]] += apart(normals[i], normals[j]);
-      ++count[set[j]];
+      sum[*set[j]] += apart(normals[i], normals[j]);
+      ++count[*set[j]];
     }
     double inside = 0, outside = 2;
     for (std::size_t k = 0; k < sets; ++k) {
@@ -364,7 +365,7 @@ void mark_beyond(Clustering& found, std::size_t sets, std::span<const Vec3> norm
     if (std::isinf(fit.kappa)) continue;
     const double versine = -std::log(1e-3) / fit.kappa;
     for (std::size_t i = 0; i < normals.size(); ++i) {
-      if (found.set[i] == k && 1 - std::abs(dot(normals[i], fit.mean)) > versine) found.set[i] = Clustering::unassigned;
+      if (found.set[i] == k && 1 - std::abs(dot(normals[i], fit.mean)) > versine) found.set[i].reset();
     }
   }
 }

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "cleave/core/fields.hpp"
 namespace cleave::survey {
 namespace {
 constexpr double pi = std::numbers::pi;
@@ -16,14 +17,7 @@ double quarter_sine(int k) {
   return j;
 }
 
-std::string_view name_of(JointShape shape) noexcept {
-  switch (shape) {
-    case JointShape::disc: return "disc";
-    case JointShape::ellipse: return "ellipse";
-    case JointShape::rectangle: return "rectangle";
-  }
-  std::unreachable();
-}
+std::string_view name_of(JointShape shape) noexcept { return enum_name(shape); }
 
 Chords chords_of(const ShapeRule& shape, double trace) noexcept {
   const double beta = (trace - shape.rotation) * pi / 180;

@@ -26,9 +26,8 @@ struct BlockOptions {
   /// Gauss points of the outer integral on an element. 12: symmetric to 1e-7; 28: to rounding.
   std::size_t outer_points = 12;
   /// Inner motions: of body forces that are polynomials of degree below this.
-  std::size_t bubbles = by_mesh;
-  static constexpr std::size_t by_mesh = static_cast<std::size_t>(-1);  ///< as fine as the boundary
-  bool mass = true;                                                     ///< false: stiffness only
+  std::optional<std::size_t> bubbles = {};
+  bool mass = true;  ///< false: stiffness only
   double integration = 1e-11;
   unsigned threads = 1;
 };

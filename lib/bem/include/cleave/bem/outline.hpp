@@ -52,8 +52,8 @@ struct Sym2 {
 struct Side {
   Vec2 start;  ///< m
   std::optional<Vec2> through = {};
-  std::size_t condition = 0;  ///< index into Region::conditions
-  std::size_t elements = 0;   ///< 0: from the element size of the problem
+  std::size_t condition = 0;                 ///< index into Region::conditions
+  std::optional<std::size_t> elements = {};  ///< empty: from the element size of the problem
   /// 1: even lengths; larger: element ends at (k/n)^grade from that end, which makes elements near it shorter.
   double grade_start = 1;
   double grade_end = 1;
@@ -65,9 +65,10 @@ using Loop = std::vector<Side>;
 
 /// A full circle as two arcs; clockwise for a hole or an opening.
 [[nodiscard]] Loop circle(Vec2 centre, double radius, bool clockwise, std::size_t condition = 0,
-                          std::size_t elements = 0);
+                          std::optional<std::size_t> elements = {});
 /// A polygon with one condition on all sides.
-[[nodiscard]] Loop polygon(const std::vector<Vec2>& corners, std::size_t condition = 0, std::size_t elements = 0);
+[[nodiscard]] Loop polygon(const std::vector<Vec2>& corners, std::size_t condition = 0,
+                           std::optional<std::size_t> elements = {});
 [[nodiscard]] Loop reversed(const Loop& loop);
 
 /// Loops and sides count from 0.

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <initializer_list>
 #include <optional>
 #include <ranges>
+#include <span>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -13,6 +16,50 @@
 /// The name ends with the unit (`volume_m3`). A value is a number, a text, a flag, a range of values or a struct with
 /// `fields` of its own; an optional that is empty is not written. The functions below say what else can be.
 namespace cleave {
+
+// ---- Names of enumerations
+
+// The names of an enumeration are its enumerators: they stand in one place, and no list can be out of step with them.
+// For enumerations that count from 0 without a gap.
+
+namespace detail {
+
+/// "red" for Colour::red; empty for a value that no enumerator has.
+template <auto Value>
+consteval std::string_view enumerator() {
+  constexpr std::string_view text =
+      __PRETTY_FUNCTION__;  // "... [with auto Value = ns::Colour::red; ...]", "[Value = ...]"
+  constexpr std::size_t begin = text.find("Value = ") + 8;
+  constexpr std::string_view value = text.substr(begin, text.find_first_of(";]", begin) - begin);
+  if (value.front() == '(') return {};
+  return value.substr(value.rfind(':') + 1);
+}
+
+template <class Enum, std::size_t Count = 0>
+consteval std::size_t count_enumerators() {
+  if constexpr (enumerator<static_cast<Enum>(Count)>().empty()) {
+    return Count;
+  } else {
+    return count_enumerators<Enum, Count + 1>();
+  }
+}
+
+}  // namespace detail
+
+/// All names, in order.
+template <class Enum>
+  requires std::is_enum_v<Enum>
+inline constexpr auto enum_names = []<std::size_t... I>(std::index_sequence<I...>) {
+  return std::array<std::string_view, sizeof...(I)>{detail::enumerator<static_cast<Enum>(I)>()...};
+}(std::make_index_sequence<detail::count_enumerators<Enum>()>{});
+
+template <class Enum>
+  requires std::is_enum_v<Enum>
+[[nodiscard]] constexpr std::string_view enum_name(Enum value) noexcept {
+  return enum_names<Enum>.at(static_cast<std::size_t>(value));
+}
+
+// ---- Figures
 
 /// A value that holds nothing, from which the schema is made; specialised for types that have no default.
 template <class T>
@@ -50,10 +97,16 @@ template <std::ranges::range T>
 /// One of these texts.
 struct OneOf {
   std::string_view value;
-  std::initializer_list<std::string_view> names;
+  std::span<const std::string_view> names;
 };
+/// To be used where it is made: `names` are those of the call.
 [[nodiscard]] inline OneOf one_of(std::string_view value, std::initializer_list<std::string_view> names) {
-  return {value, names};
+  return {value, std::span{names}};
+}
+template <class Enum>
+  requires std::is_enum_v<Enum>
+[[nodiscard]] constexpr OneOf one_of(Enum value) noexcept {
+  return {enum_name(value), enum_names<Enum>};
 }
 
 /// An object that has no struct: `body(visitor)` names its figures.

@@ -13,6 +13,7 @@ namespace cleave::special {
 /// Student's t: the value that a t variate with `degrees` > 0 falls below with probability p in (0, 1).
 [[nodiscard]] double student_t_quantile(double p, double degrees);
 [[nodiscard]] double normal_cdf(double z);
+[[nodiscard]] double normal_density(double z);
 /// Chi-squared with `degrees` > 0: quantile for p in [0, 1), and the probability of more than x.
 [[nodiscard]] double chi_squared_quantile(double p, double degrees);
 [[nodiscard]] double chi_squared_above(double x, double degrees);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace cleave {
 
@@ -53,5 +54,10 @@ struct Box2 {
     high = {std::max(high.x, p.x), std::max(high.y, p.y)};
   }
 };
+[[nodiscard]] constexpr Box2 box_of(std::span<const Vec2> points) noexcept {
+  Box2 box;
+  for (const Vec2 p : points) box.add(p);
+  return box;
+}
 
 }  // namespace cleave

@@ -22,7 +22,7 @@ struct Polygon {
 [[nodiscard]] std::vector<Polygon> surface_of(const topology::BlockComplex& complex, topology::BlockId block,
                                               std::span<const geometry::Vec3> points, bool triangles_only);
 
-/// The triangles of one face of a block, as `surface_of` has them, put behind those that are there. `loops` is room to
+/// The triangles of one face of a block, as `surface_of` has them, appended to those that are there. `loops` is room to
 /// work in, kept from face to face.
 void append_triangles(const topology::BlockComplex& complex, const topology::Face& face,
                       std::span<const geometry::Vec3> points, FaceLoops& loops, std::vector<Triangle>& triangles);

@@ -25,7 +25,7 @@ using Triangle = std::array<std::uint32_t, 3>;
 /// when no loops touch.
 [[nodiscard]] std::vector<Triangle> triangulate(std::span<const std::vector<std::uint32_t>> loops,
                                                 std::span<const geometry::Vec3> positions, geometry::Vec3 outward);
-/// The same triangles, put behind those that are there.
+/// The same triangles, appended to those that are there.
 void append_triangles(std::span<const std::vector<std::uint32_t>> loops, std::span<const geometry::Vec3> positions,
                       geometry::Vec3 outward, std::vector<Triangle>& triangles);
 

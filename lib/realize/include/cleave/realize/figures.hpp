@@ -40,8 +40,7 @@ template <class V>
 void fields(V& v, const Misfit& x) {
   v("block", x.block);
   v("face", x.face, "absent: of the block as a whole");
-  v("of", one_of(name_of(x.of), {"corners", "normal", "neighbour", "area", "volume", "flags", "owner"}),
-    "which figure; corners: off the face's plane, owner: the face is not one of that block");
+  v("of", one_of(x.of), "which figure; corners: off the face's plane, owner: the face is not one of that block");
 }
 template <class V>
 void fields(V& v, const Certificate& x) {
@@ -317,7 +316,7 @@ struct DesignResult {
   double cost = 0;
   /// Of the first pattern, m: along a tunnel's axis and around its section, or across and down a grid.
   std::array<double, 2> spacing{};
-  std::size_t rings = 0;  ///< of the first pattern; 0: a grid
+  std::optional<std::size_t> rings = {};  ///< of the first pattern; empty: a grid
   /// Offsets drawn at random in both directions, and how many of them fail.
   std::uint64_t offsets = 0, failing = 0;
   std::array<double, 2> failing_share{};  ///< Clopper-Pearson, 95 %
@@ -335,7 +334,7 @@ void fields(V& v, const DesignResult& x) {
   v("bolts", x.bolts, "of the patterns");
   v("cost", x.cost, "of all bolts");
   v("spacing_m", x.spacing, "of the first pattern, of the tightest where none is found");
-  v("rings", x.rings, "of the first pattern; 0: a grid");
+  v("rings", x.rings.value_or(0), "of the first pattern; 0: a grid");
   v("offsets", x.offsets, "drawn at random, at which the pattern was tried");
   v("offsets_failing", x.failing);
   v("failing_share_low", x.failing_share[0], "95 % interval of the share of offsets that fail");

@@ -53,24 +53,22 @@ struct Shared {
 [[nodiscard]] stochastic::Record make_record(const Scene& scene, const Shared& shared, std::uint64_t k);
 
 enum class StoppedBy : std::uint8_t {
-  count,      ///< the fixed number of realizations is done
-  precision,  ///< the stated precision is reached
-  max,        ///< the largest number is done and the precision is not reached
+  realizations,  ///< their fixed number is done
+  precision,     ///< the stated precision is reached
+  max,           ///< the largest number is done and the precision is not reached
 };
-/// "realizations", "precision", "max".
-[[nodiscard]] std::string_view name_of(StoppedBy stopped) noexcept;
 
 /// Seconds that the threads of this process spent in a stage, over all realizations it made.
-struct StageSeconds {
+struct StepSeconds {
   std::string stage;
   double seconds = 0;
 };
 
 struct MonteCarloResult {
   stochastic::Figures figures;
-  StoppedBy stopped_by = StoppedBy::count;
+  StoppedBy stopped_by = StoppedBy::realizations;
   stochastic::Shard shard;
-  std::vector<StageSeconds> stages = {};  ///< in the order of the plan; empty where records were read alone
+  std::vector<StepSeconds> stages = {};  ///< in the order of the plan; empty where records were read alone
 };
 
 struct MonteCarloWatch {

@@ -20,9 +20,9 @@ struct BlockPlace {
   /// Hours on the face of a clock, looking along the axis: 12 at the crown, 3 on the right; in (0, 12].
   std::optional<double> clock = {};
   Area free_area = {};
-  Length depth = {};             ///< of its corners the one farthest from its free faces; 0 without a free face
-  Length extent = {};            ///< between the two corners farthest apart
-  std::vector<SetId> sets = {};  ///< of its joints, ascending
+  std::optional<Length> depth = {};  ///< of its corners the one farthest from its free faces; empty without one
+  Length extent = {};                ///< between the two corners farthest apart
+  std::vector<SetId> sets = {};      ///< of its joints, ascending
 };
 /// `joints`: of the block, see `joints_of`.
 [[nodiscard]] BlockPlace place_of(const RunResult& result, const topology::BlockComplex& complex,

@@ -113,14 +113,6 @@ void fields(V& v, const MotionResult& x) {
   v("determined_s", x.determined, "time until which the two runs tell the same path: impacts are chaotic");
 }
 
-struct Strength {
-  FrictionAngle friction;
-  Stress cohesion;
-  Stress tension;
-  double jrc = 0;  ///< > 0: Barton-Bandis, friction is the residual angle
-  Stress jcs = {};
-};
-
 /// The blocks judged under one named load case.
 struct CaseResult {
   std::string name;
@@ -161,7 +153,7 @@ struct JointInfo {
   SetId set;
   JointOrigin origin;
   std::string source;  ///< "joints.obj:120", "scene.toml:14"; for drawn joints "A #7" (set, number from 1)
-  Strength strength;
+  stability::JointStrength strength;
   geometry::Vec3 normal;  ///< upward unit normal (z >= 0); of the first polygon when the joint has several
   Dip dip;
   DipDirection dip_direction;  ///< clockwise from +y
@@ -292,7 +284,7 @@ struct Realization : SampledScene {
 };
 
 /// Everything that is known at the end of `scene::run`, and all that the writers need: they take it by const reference
-/// and compute nothing but layout from it. `analysis` is present exactly when plan.runs(Stage::stability) and the
+/// and compute nothing but layout from it. `analysis` is present exactly when plan.runs(Step::stability) and the
 /// certificate passed; sections of stages that did not run are absent from summary.json. `cost` covers read ..
 /// elastic when `run` returns. The program adds `write` (VTU, CSV) and `report` (HTML) as it does them, and writes
 /// summary.json last, so that all costs are in it but its own few milliseconds; report.html shows the costs known when

@@ -96,7 +96,7 @@ struct SequenceResult {
 };
 template <class V>
 void fields(V& v, const SequenceResult& x) {
-  v("fallen", one_of(x.fallen == Fallen::stay_out ? "stay_out" : "put_back", {"stay_out", "put_back"}));
+  v("fallen", one_of(x.fallen));
   v("stages", x.stages);
   v("orders", x.orders, "the scene's own order first");
   v("best_order", x.best, "from 0: the order with the smallest volume of key blocks");

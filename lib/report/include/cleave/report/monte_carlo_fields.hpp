@@ -165,7 +165,7 @@ void quantity_fields(V& v, const stochastic::Estimate& x, double confidence) {
   mean_fields(v, x);
   v("confidence", confidence);
   v("std", x.std);
-  v("method", one_of(stochastic::name_of(x.method), {"mean", "ratio", "mean_of_ratios"}));
+  v("method", one_of(x.method));
   v("realizations", x.realizations);
   v("smallest", when(!ratio, x.smallest));
   v("largest", when(!ratio, x.largest));
@@ -179,7 +179,7 @@ void quantity_fields(V& v, const stochastic::Estimate& x, double confidence) {
 }
 
 template <class V>
-void fields(V& v, const scene::StageSeconds& x) {
+void fields(V& v, const scene::StepSeconds& x) {
   v("stage", x.stage);
   v("thread_s", x.seconds);
 }
@@ -206,7 +206,7 @@ void fields(V& v, const MonteCarloPage& x) {
   v("monte_carlo", group([&](auto& w) {
       w("realizations", f.realizations);
       w("seed", x.seed);
-      w("stopped_by", one_of(name_of(stopped), {"realizations", "precision", "max"}));
+      w("stopped_by", one_of(stopped));
       w("status", one_of(f.failures > 0                     ? "incomplete"
                          : stopped == scene::StoppedBy::max ? "not converged"
                                                             : "done",

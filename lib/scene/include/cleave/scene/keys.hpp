@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "cleave/core/enum_names.hpp"
+#include "cleave/core/fields.hpp"
 #include "cleave/scene/plan.hpp"
 
 /// The keys of scene and survey files, each declared once: what it holds, its unit, range, usual values, default and
@@ -146,7 +146,7 @@ struct KeyTable {
   std::string_view select = {};
   std::vector<KeyVariant> variants = {};
   /// Of a whole scene: what takes which keys.
-  std::vector<std::pair<Stage, std::vector<std::string_view>>> steps = {};
+  std::vector<std::pair<Step, std::vector<std::string_view>>> steps = {};
 
   [[nodiscard]] const Key* find(std::string_view key, std::optional<std::size_t> variant) const noexcept;
   /// Names of all keys, of one variant where there are any.

@@ -17,8 +17,8 @@
 
 namespace cleave::scene {
 
-/// The stages of a run, in order; names as in summary.json.
-enum class Stage : std::uint8_t {
+/// The steps of a run, in order; names as in summary.json.
+enum class Step : std::uint8_t {
   read,
   draw,
   cut,
@@ -32,19 +32,19 @@ enum class Stage : std::uint8_t {
   report
 };
 
-inline constexpr std::array all_stages{Stage::read,      Stage::draw,    Stage::cut,         Stage::audit,
-                                       Stage::stability, Stage::support, Stage::monte_carlo, Stage::elastic,
-                                       Stage::contact,   Stage::write,   Stage::report};
+inline constexpr std::array all_steps{Step::read,      Step::draw,    Step::cut,         Step::audit,
+                                      Step::stability, Step::support, Step::monte_carlo, Step::elastic,
+                                      Step::contact,   Step::write,   Step::report};
 
 /// "read", "draw", ... as in summary.json: the enumerators.
-[[nodiscard]] std::string_view name_of(Stage stage) noexcept;
+[[nodiscard]] std::string_view name_of(Step step) noexcept;
 
-struct PlannedStage {
-  Stage stage;
+struct PlannedStep {
+  Step step;
   bool run;
   std::string why;                       ///< one sentence part without a full stop: "no excavation and no free face"
   std::vector<std::string> inputs = {};  ///< tables of the scene that it takes
-  double seconds = 0;                    ///< of CPU, expected; 0 where it does not count
+  double seconds = 0;                    ///< of CPU, expected
 };
 
 /// Rough figures for people, from the scene alone; never used to decide anything.
@@ -59,40 +59,40 @@ struct SizeEstimate {
   Time together = {};
 };
 
-/// What a run of a scene does and leaves out, one entry a stage in the order of `all_stages`: the run executes those
+/// What a run of a scene does and leaves out, one entry a step in the order of `all_steps`: the run executes those
 /// entries and nothing else.
 struct Plan {
-  std::vector<PlannedStage> stages;
+  std::vector<PlannedStep> steps;
   SizeEstimate estimate;
 
-  [[nodiscard]] bool runs(Stage stage) const noexcept;
+  [[nodiscard]] bool runs(Step step) const noexcept;
 };
 
-/// A line for each stage: its name, whether it runs, and why; with `inputs` also what it takes and what it may cost.
+/// A line for each step: its name, whether it runs, and why; with `inputs` also what it takes and what it may cost.
 [[nodiscard]] std::string describe(const Plan& plan, bool inputs = false);
 
-/// What one stage cost. CPU time is that of all threads; the peak is the process's high-water mark at the stage's end.
-struct StageCost {
-  Stage stage = Stage::read;
+/// What one step cost. CPU time is that of all threads; the peak is the process's high-water mark at the step's end.
+struct StepCost {
+  Step step = Step::read;
   double wall_s = 0;
   double cpu_s = 0;
   double peak_rss_mb = 0;
 };
 template <class V>
-void fields(V& v, const StageCost& x) {
-  v("stage", name_of(x.stage));
+void fields(V& v, const StepCost& x) {
+  v("stage", name_of(x.step));
   v("wall_s", x.wall_s);
   v("cpu_s", x.cpu_s);
   v("peak_rss_mb", x.peak_rss_mb, "high-water mark of the process at the end of the stage");
 }
 
-/// What the run cost so far. `stages` holds only stages that ran, in order.
+/// What the run cost so far. `steps` holds only steps that ran, in order.
 struct RunCost {
   double wall_s = 0;
   double cpu_s = 0;
   double peak_rss_mb = 0;
   unsigned threads = 1;
-  std::vector<StageCost> stages;
+  std::vector<StepCost> steps;
 };
 template <class V>
 void fields(V& v, const RunCost& x) {
@@ -100,12 +100,11 @@ void fields(V& v, const RunCost& x) {
   v("cpu_s", x.cpu_s, "of all threads");
   v("peak_rss_mb", x.peak_rss_mb);
   v("threads", x.threads);
-  v("stages", x.stages);
+  v("stages", x.steps);
 }
 template <class V>
-void fields(V& v, const PlannedStage& x) {
-  v("stage", one_of(name_of(x.stage), {"read", "draw", "cut", "audit", "stability", "support", "monte_carlo", "elastic",
-                                       "contact", "write", "report"}));
+void fields(V& v, const PlannedStep& x) {
+  v("stage", one_of(x.step));
   v("run", x.run);
   v("why", x.why);
 }
@@ -148,7 +147,7 @@ void head_fields(V& v, const ResultHead& x) {
   v("project", when(!x.project.empty(), x.project), "[project] of the scene; nothing is computed from it");
   v("seed", x.seed);
   v("scene_sha256", x.scene_sha256, "of the scene file's bytes, hexadecimal");
-  v("plan", x.plan.stages);
+  v("plan", x.plan.steps);
   v("cost", x.cost);
 }
 

@@ -12,6 +12,6 @@ namespace cleave::scene {
 void add_inputs(const KeyTable& keys, const std::vector<std::string>& given, Plan& plan);
 
 /// The plan of a two-dimensional scene, which does its `work` and writes `files`.
-[[nodiscard]] Plan plan_of_bodies(Stage work, const std::string& why, const std::string& files, bool report);
+[[nodiscard]] Plan plan_of_bodies(Step work, const std::string& why, const std::string& files, bool report);
 
 }  // namespace cleave::scene

@@ -38,10 +38,10 @@ struct ContactJoint {
   double friction = 30;  ///< degrees
   /// Degrees, where a contact has slipped or opened, and of contacts made later; empty: as `friction`.
   std::optional<double> residual_friction = {};
-  double cohesion = 0;                                   ///< Pa, until the contact breaks
-  Stress residual_cohesion{};                            ///< where it slipped and stays closed
-  double tension = 0;                                    ///< Pa, likewise
-  JointStiffness normal_stiffness{}, shear_stiffness{};  ///< 0: rigid
+  double cohesion = 0;                                                        ///< Pa, until the contact breaks
+  Stress residual_cohesion{};                                                 ///< where it slipped and stays closed
+  double tension = 0;                                                         ///< Pa, likewise
+  std::optional<JointStiffness> normal_stiffness = {}, shear_stiffness = {};  ///< empty: rigid
   /// Degrees, part of `friction`: by which faces that were closed at the start ride up when they slip.
   double dilation = 0;
   Length dilation_slip{};                  ///< beyond which they rise no further
@@ -175,7 +175,7 @@ enum class Kind2d : std::uint8_t { elastic, contact };
 struct RigidityChoice {
   bool elastic = false;
   std::string why;
-  double strain = 0;  ///< estimate of the largest one; 0 when no body has a modulus
+  std::optional<double> strain = {};  ///< estimate of the largest one; empty: no body has a modulus
 };
 [[nodiscard]] RigidityChoice rigidity_of(const ContactScene& scene);
 
@@ -241,16 +241,6 @@ enum class BoltState : std::uint8_t {
   yields,
   broken,
 };
-inline constexpr std::string_view name_of(BoltState state) {
-  switch (state) {
-    case BoltState::absent: return "absent";
-    case BoltState::slack: return "slack";
-    case BoltState::holds: return "holds";
-    case BoltState::yields: return "yields";
-    case BoltState::broken: return "broken";
-  }
-  return "";
-}
 /// A bolt where it crosses from one body to the next; forces are those of one bolt.
 struct ContactBoltResult {
   std::string name;
@@ -265,8 +255,7 @@ void fields(V& v, const ContactBoltResult& x) {
   v("name", x.name);
   v("first", x.first, "body on the side of the head");
   v("second", x.second, "body on the side of the toe");
-  v("state", one_of(name_of(x.state), {"absent", "slack", "holds", "yields", "broken"}),
-    "at the end; absent: not installed yet");
+  v("state", one_of(x.state), "at the end; absent: not installed yet");
   v("force_n", x.force, "tension of one bolt at the end");
   v("largest_force_n", x.largest, "in any step; of one that broke no less than its capacity");
   v("capacity_n", x.capacity, "of one bolt at this joint");
@@ -337,9 +326,6 @@ enum class BodyMotion : std::uint8_t {
   topples,  ///< turned by more than 5 degrees
   falls,    ///< touched nothing after the first step in which it had moved
 };
-inline constexpr std::string_view name_of(BodyMotion motion) {
-  return motion == BodyMotion::slides ? "slides" : motion == BodyMotion::topples ? "topples" : "falls";
-}
 struct ContactVerdict {
   bool known = true;                      ///< false: the run stopped before anything moved
   std::array<std::uint64_t, 3> bodies{};  ///< how many moved, by BodyMotion
@@ -350,7 +336,7 @@ struct ContactVerdict {
   [[nodiscard]] std::uint64_t moved() const { return bodies[0] + bodies[1] + bodies[2]; }
 };
 inline constexpr std::string_view name_of(const ContactVerdict& verdict) {
-  return verdict.motion ? name_of(*verdict.motion) : verdict.known ? "stands" : "not known";
+  return verdict.motion ? enum_name(*verdict.motion) : verdict.known ? "stands" : "not known";
 }
 /// "2 slid, 1 toppled".
 [[nodiscard]] std::string counts_of(const ContactVerdict& verdict);

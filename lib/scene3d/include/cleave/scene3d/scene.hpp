@@ -35,7 +35,7 @@ using SetId = Id<struct JointSetTag>;  ///< a joint set by name; index into Scen
 /// Friction of the joints of one set, degrees in [0, 90): one value drawn per joint.
 /// `mean` and `std` are those of the law before it is cut to [min, max].
 struct FrictionLaw {
-  enum class Kind : std::uint8_t { constant, uniform, normal, lognormal, exponential };
+  enum class Kind : std::uint8_t { uniform, normal, lognormal, exponential, constant };
   Kind kind = Kind::constant;
   double mean = 30;  ///< constant: the value; not used by uniform
   double std = 0;    ///< normal, lognormal
@@ -67,10 +67,12 @@ struct JointProperties {
   StressLaw tension;
   /// Correlation of the normal scores of a joint's friction and cohesion (Gaussian copula), -1..1.
   double friction_cohesion = 0;
-  double jrc = 0;  ///< > 0: Barton-Bandis, `friction` is then the residual angle
-  Stress jcs = {};
+  std::optional<stability::Roughness> roughness = {};       ///< Barton-Bandis: `friction` is the residual angle
   std::optional<stability::JointStiffness> stiffness = {};  ///< for [field_stress]
 };
+/// A joint's strength from its properties: the straight law, or with a roughness the curved one, which has no cohesion.
+[[nodiscard]] std::expected<stability::JointStrength, stability::StrengthError> joint_strength(
+    FrictionAngle friction, Stress cohesion, Stress tension, const std::optional<stability::Roughness>& roughness);
 
 struct NamedSet {
   std::string name;  ///< "default" for joints without a set
@@ -122,26 +124,17 @@ struct Excavation {
 };
 
 struct Rock {
-  Density density = kilograms_per_cubic_metre(2700);
+  stability::RockMass mass = stability::RockMass::usual();
   std::optional<double> poisson = {};
 };
 
-/// A design standard's partial factors: tan(friction) and cohesion are divided, weight is multiplied.
-struct PartialFactors {
-  double friction = 1, cohesion = 1, weight = 1;
-};
-
-/// What acts on the rock beside gravity.
+/// What acts on the rock.
 struct LoadSet {
-  geometry::Vec3 seismic{0, 0, 0};  ///< force / weight, in the direction the rock is pushed
-  std::optional<stability::WaterTable> water = {};
-  std::optional<NumberLaw> water_level =
-      {};  ///< m: of a table whose level is drawn once a realization (`water` has the median)
-  std::vector<std::pair<SetId, double>> pressures = {};  ///< Pa, mean water pressure in the joints of a set
-  std::vector<stability::Surcharge> surcharges = {};
-  std::vector<stability::PointForce> points = {};
-  std::vector<stability::LineForce> lines = {};
-  std::uint32_t line = 1;  ///< in the scene file
+  stability::Loads body = stability::Loads::usual();
+  /// Joint pressures are those of the sets, by their number. The water table is at its median level.
+  stability::Actions actions = {};
+  std::optional<NumberLaw> water_level = {};  ///< m: of a table whose level is drawn once a realization
+  std::uint32_t line = 1;                     ///< in the scene file
 };
 
 /// A [[load]]: the loads of [stability] and its own, judged apart.
@@ -160,15 +153,17 @@ struct Targets {
 struct MaximumBlockSettings {
   std::uint32_t excavation = 0;  ///< of kind tunnel, straight, with a convex section
   std::vector<SetId> sets;       ///< three at least; empty: all that have joints
+  /// Of every set: medians of its laws.
+  IdVector<SetId, stability::JointStrength> medians;
   /// m: longest trace on the wall, largest extent of a joint face.
   double trace = std::numeric_limits<double>::infinity(), size = trace;
   std::uint32_t line = 1;  ///< in the scene file
 };
 
 struct StabilitySettings {
-  geometry::Vec3 gravity{0, 0, -9.81};  ///< m/s2
-  geometry::Vec3 seismic{0, 0, 0};      ///< force / weight, in the direction the rock is pushed
-  PartialFactors partial = {};
+  LoadSet loads = {};                ///< of the base case
+  std::vector<LoadCase> cases = {};  ///< in scene order
+  stability::PartialFactors partial = {};
   bool force_transfer = true;
   stability::TransferReadings transfer = {};
   stability::RotationCheck rotation = stability::RotationCheck::flag;
@@ -178,8 +173,6 @@ struct StabilitySettings {
   bool group_factor = false;  ///< the factor of all of them together is looked for
   std::optional<MaximumBlockSettings> maximum_blocks = {};
   std::uint32_t max_batches = 50;
-  LoadSet loads = {};                ///< of the base case, seismic included
-  std::vector<LoadCase> cases = {};  ///< in scene order
   std::optional<Targets> target = {};
   bool strict = false;            ///< wedged slots (cone without interior) do not count as removable
   bool parallel_contact = false;  ///< cohesion on brushed faces too
@@ -273,7 +266,7 @@ struct MotionSettings {
   Time duration = Time::from_si(10);
   bool to_rest = false;  ///< ends when all are at rest, after `duration` at the latest
   Time step = Time::from_si(0.01);
-  Time frame = {};  ///< between two written states; 0: a fiftieth of `duration`
+  std::optional<Time> frame = {};  ///< between two written states; empty: a fiftieth of `duration`
   double restitution = 0;
   FrictionAngle surface_friction = FrictionAngle::degrees(35);  ///< of faces that are no joints
   bool error = true;                                            ///< a second run with half the step

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <expected>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -81,6 +82,10 @@ class Actions final {
   [[nodiscard]] const ActionSpec& spec() const noexcept { return spec_; }
   /// No water at all, so that what acts on a block does not depend on its neighbours.
   [[nodiscard]] bool dry() const noexcept { return !spec_.water && spec_.joint_pressure.empty(); }
+  /// The same with the water table, where there is one, at this level. Precondition: finite.
+  [[nodiscard]] Actions with_water_level(double level) const;
+  /// The same with the pressure of entry `from[k]` in joint k; an entry beyond the list is none.
+  [[nodiscard]] Actions with_pressures_of(std::span<const std::size_t> from) const;
 
  private:
   ActionSpec spec_;

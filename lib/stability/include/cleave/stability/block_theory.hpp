@@ -224,9 +224,8 @@ struct Persistence {
 };
 
 struct TheoryLoads {
-  Density density;
-  geometry::Vec3 gravity;       ///< m/s2
-  geometry::Vec3 seismic = {};  ///< force / weight
+  RockMass rock;
+  Loads body;
   PartialFactors partial = {};
   double target_falling = 1.5, target_sliding = 1.3;
 };

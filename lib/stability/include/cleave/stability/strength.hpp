@@ -46,6 +46,13 @@ using StrengthError = std::variant<FrictionOutOfRange, BadCohesion, BadTension, 
 /// "what is wrong; what to do", in words for an engineer.
 [[nodiscard]] std::string describe(const StrengthError& error);
 
+/// Roughness of a joint and strength of its walls, already at the scale of the block.
+struct Roughness {
+  double jrc;
+  Stress jcs;
+  friend bool operator==(const Roughness&, const Roughness&) = default;
+};
+
 /// Strength of a joint: Mohr-Coulomb, or the curved law of Barton and Bandis (1982),
 ///   tau = sigma_n tan(residual + JRC log10(JCS / sigma_n)),
 /// with the angle kept between residual and 70 degrees (Barton and Choubey 1977: no extrapolation to low stress).
@@ -60,6 +67,8 @@ class JointStrength final {
   [[nodiscard]] static std::expected<JointStrength, StrengthError> barton_bandis(FrictionAngle residual, double jrc,
                                                                                  Stress jcs,
                                                                                  Stress tension = pascals(0));
+  /// No friction, no cohesion: of joints where there are none.
+  [[nodiscard]] static JointStrength none() noexcept { return {FrictionAngle::degrees(0), pascals(0), pascals(0)}; }
   /// Of the straight law; the residual angle of the curved one.
   [[nodiscard]] FrictionAngle friction() const noexcept { return friction_; }
   [[nodiscard]] bool curved() const noexcept { return jrc_ > 0; }
@@ -68,6 +77,10 @@ class JointStrength final {
   [[nodiscard]] double tan_friction() const noexcept { return tan_friction_; }
   [[nodiscard]] Stress cohesion() const noexcept { return cohesion_; }
   [[nodiscard]] Stress tension() const noexcept { return tension_; }
+  /// Of the curved law.
+  [[nodiscard]] std::optional<Roughness> roughness() const noexcept {
+    return curved() ? std::optional{Roughness{jrc_, jcs_}} : std::nullopt;
+  }
   friend bool operator==(const JointStrength&, const JointStrength&) = default;
 
  private:
@@ -104,6 +117,8 @@ class StrengthTable final {
 class RockMass final {
  public:
   [[nodiscard]] static std::expected<RockMass, StrengthError> make(Density density);
+  /// Of 2700 kg/m3.
+  [[nodiscard]] static RockMass usual() noexcept { return RockMass{kilograms_per_cubic_metre(2700)}; }
   [[nodiscard]] Density density() const noexcept { return density_; }
 
  private:
@@ -117,8 +132,12 @@ class Loads final {
   /// `gravity` in m/s2 as a vector (default of scenes: (0, 0, -9.81)); `seismic` is force / weight in the direction it
   /// acts (the sign of D'Alembert is already in it).
   [[nodiscard]] static std::expected<Loads, StrengthError> make(geometry::Vec3 gravity, geometry::Vec3 seismic = {});
+  /// Gravity of 9.81 m/s2 straight down.
+  [[nodiscard]] static Loads usual() noexcept { return {{0, 0, -9.81}, {}}; }
   [[nodiscard]] geometry::Vec3 gravity() const noexcept { return gravity_; }
   [[nodiscard]] geometry::Vec3 seismic() const noexcept { return seismic_; }
+  /// Precondition: the factor is finite.
+  [[nodiscard]] Loads with_seismic_times(double factor) const noexcept { return {gravity_, factor * seismic_}; }
 
  private:
   Loads(geometry::Vec3 gravity, geometry::Vec3 seismic) noexcept : gravity_{gravity}, seismic_{seismic} {}

@@ -164,10 +164,10 @@ struct SupportedBlock {
   topology::BlockId block;
   Mode mode = Mode::stable;
   double target = 1;
-  double net_force = 0;              ///< N without support
-  double factor_of_safety = 0;       ///< without support
-  double factor_with_bolts = 0;      ///< bolts alone, fixed mode, passive or active form: a partial sum
-  double factor_with_shotcrete = 0;  ///< shotcrete alone, a partial sum; 0 without shotcrete
+  double net_force = 0;                              ///< N without support
+  double factor_of_safety = 0;                       ///< without support
+  double factor_with_bolts = 0;                      ///< bolts alone, fixed mode, passive or active form: a partial sum
+  std::optional<double> factor_with_shotcrete = {};  ///< shotcrete alone, a partial sum; empty without shotcrete
   /// The factor of safety with everything: largest factor on all strengths and capacities at which some share of the
   /// bolts holds it. At least `target` exactly for blocks that are held. Empty where the plan asks for no factors.
   std::optional<double> factor_with_support = {};
@@ -186,8 +186,8 @@ struct SupportedBlock {
   /// Its free faces cannot take what it received: the pressure is beyond the plan's `most_pressure`, its own is not.
   /// The blocks that pass it have to be held.
   bool passed_on = false;
-  double missing_force = 0;     ///< N beyond all support, 0 when held
-  double needed_thickness = 0;  ///< m of shotcrete; 0 without shotcrete
+  double missing_force = 0;                     ///< N beyond all support, 0 when held
+  std::optional<double> needed_thickness = {};  ///< m of shotcrete; empty without shotcrete
 };
 
 /// Blocks stitched together by bolts, tested as one body (step 2). Fixed blocks are never members: bolts that end in

@@ -81,7 +81,7 @@ struct SurveyInput {
   double confidence = 0.95;
   std::uint64_t seed = 1;
   double weight_cap = 10;
-  std::size_t clusters = 0;  ///< 0: by rules or by the sets stated
+  std::optional<std::size_t> clusters = {};  ///< empty: by rules or by the sets stated
   std::vector<MeasuredOrientation> orientations;
   std::vector<LineSurvey> lines;
   std::vector<WindowSurvey> windows;
@@ -162,7 +162,7 @@ struct SurveyResult {
   OrientationTensor tensor{};
   std::array<std::array<double, 2>, 3> tensor_intervals{};
   std::size_t unassigned = 0;
-  std::vector<std::size_t> set_of;  ///< of each orientation; Clustering::unassigned
+  std::vector<std::optional<std::size_t>> set_of;  ///< of each orientation; empty: of no set
   std::vector<std::string> notes;
 };
 

@@ -85,10 +85,9 @@ struct BinghamFit {
 
 /// Axial K-means (Hammah & Curran 1998): distance 1 - (n.v)^2, first centres by farthest point from the densest joint.
 struct Clustering {
-  std::vector<std::size_t> set;         ///< of each joint; `unassigned` for outliers
-  std::vector<geometry::Vec3> centres;  ///< unit, z >= 0
-  double silhouette = 0;                ///< mean over joints (of at most 2,000 of them)
-  static constexpr std::size_t unassigned = static_cast<std::size_t>(-1);
+  std::vector<std::optional<std::size_t>> set;  ///< of each joint; empty for outliers
+  std::vector<geometry::Vec3> centres;          ///< unit, z >= 0
+  double silhouette = 0;                        ///< mean over joints (of at most 2,000 of them)
 };
 [[nodiscard]] Clustering cluster(std::span<const geometry::Vec3> normals, std::span<const double> weights,
                                  std::size_t sets, bool mark_outliers = true);
