@@ -8,7 +8,7 @@ namespace {
 
 using testing::of_shear;
 
-BlockOptions per_side(std::size_t bubbles) {
+BlockOptions per_side(std::optional<std::size_t> bubbles) {
   BlockOptions o;
   o.bubbles = bubbles;
   return o;

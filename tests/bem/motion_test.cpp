@@ -26,7 +26,7 @@ TEST(Schemes, SpectralRadii) {
   EXPECT_LT(spectral_radius(Newmark{0.5, 1}, std::polar(0.041 * 0.041, 0.02)), 1);
 }
 
-BlockOperator column(double nu, std::size_t bubbles) {
+BlockOperator column(double nu, std::optional<std::size_t> bubbles) {
   BlockOptions o;
   o.bubbles = bubbles;
   return BlockOperator::make({testing::rectangle({-1, 0}, {1, 4}, {0, 0, 0, 0}, {2, 4, 2, 4})},

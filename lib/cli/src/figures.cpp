@@ -62,7 +62,7 @@ std::string design_line(const scene::DesignResult& design) {
                                  : "";
   return fmt::format("  bolts of {:g} m: {} at {}{}{}; fails at {} of {} random offsets [{:.1f}, {:.1f} %]{}{}\n",
                      design.length, design.bolts, spacing,
-                     design.rings > 0 ? fmt::format(" in {} rings", design.rings) : "",
+                     design.rings ? fmt::format(" in {} rings", *design.rings) : "",
                      design.spot_bolts > 0 ? fmt::format(" beside {} spot", design.spot_bolts) : "", design.failing,
                      design.offsets, 100 * design.failing_share[0], 100 * design.failing_share[1], groups, governs);
 }
