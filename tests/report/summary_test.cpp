@@ -32,7 +32,7 @@ scene::RunResult example() {
             .cpu_s = 2.5,
             .peak_rss_mb = 100,
             .threads = 2,
-            .stages = {{.step = scene::Step::cut, .wall_s = 1, .cpu_s = 2, .peak_rss_mb = 90}}};
+            .steps = {{.step = scene::Step::cut, .wall_s = 1, .cpu_s = 2, .peak_rss_mb = 90}}};
   r.figures.input = {{.joints = 3, .lattice_pitch_m = 0x1p-41, .largest_snap_m = 1e-13, .merged_planes = 0}};
   r.figures.blocks =
       scene::BlockFigures{.count = 8, .volume_m3 = 8, .domain_volume_m3 = 8, .hash = "abc", .exact_share = 0.25};

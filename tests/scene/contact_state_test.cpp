@@ -196,7 +196,7 @@ TEST(ContactStateTest, TheVerdictIsThatOfTheStepsWhateverIsDrawn) {
     const ContactVerdict verdict = verdict_of(*result);
     EXPECT_EQ(verdict.motion, BodyMotion::topples) << frames;  // the rod is the first: smaller, and it turns
     EXPECT_EQ(verdict.bodies, (std::array<std::uint64_t, 3>{0, 1, 1})) << frames;
-    EXPECT_EQ(name_of(*verdict.motion), "topples");
+    EXPECT_EQ(enum_name(*verdict.motion), "topples");
     EXPECT_NEAR(result->bodies[1].moved_at.value().si(), std::sqrt(2 * 0.01 * std::sqrt(2) / 9.81), 1e-3);
     if (!first) {
       first = *result;
