@@ -140,6 +140,9 @@ void parse_surcharge(const TableReader& table, const std::optional<geometry::Sol
   const auto surface = parse_surface(table, domain, excavations);
   const auto traction = table.vec3("traction");
   const auto pressure = table.number("pressure");
+  if (pressure && *pressure < 0) {
+    table.note("pressure", "is below 0: it pulls at the rock", "what presses against the rock is positive");
+  }
   if (!table.has("traction") && !table.has("pressure")) {
     table.missing("traction", "add traction = [x, y, z] (Pa) or pressure (Pa, against the rock)");
   }
