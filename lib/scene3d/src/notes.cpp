@@ -94,7 +94,10 @@ void note_dry_tables(const Scene& scene, const TableReader& root) {
                          "give the level of the table in the coordinates of the scene, not its depth");
   };
   look(scene.stability->loads);
-  for (const LoadCase& load : scene.stability->cases) look(load.loads);
+  const auto& base = scene.stability->loads.water;
+  for (const LoadCase& load : scene.stability->cases) {
+    if (!base || !load.loads.water || base->level != load.loads.water->level) look(load.loads);
+  }
 }
 
 }  // namespace
