@@ -186,7 +186,10 @@ void parse_rings(const TableReader& table, const std::vector<Excavation>& excava
   if (!table.has("spacing")) table.missing("spacing", "add spacing = [along the axis, around the section], m");
   const auto offset = table.pair("offset");
   const auto arc = table.pair("arc");
-  if (arc && !((*arc)[0] < (*arc)[1])) table.error("arc", "its first angle is not below its second", "swap them");
+  if (arc && !((*arc)[0] < (*arc)[1])) {
+    table.error("arc", "its first angle is not below its second", "swap them");
+    return;
+  }
   if (!name || !spacing) return;
   std::vector<string_view> known;
   for (const Excavation& excavation : excavations) {
