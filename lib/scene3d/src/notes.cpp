@@ -84,7 +84,7 @@ void note_dry_tables(const Scene& scene, const TableReader& root) {
   if (down == geometry::Vec3{}) return;
   double lowest = std::numeric_limits<double>::infinity();
   for (const geometry::Vec3 v : scene.domain.vertices()) {
-    lowest = std::min(lowest, -geometry::dot(v, down) / geometry::norm(down));
+    lowest = std::min(lowest, 0 - geometry::dot(v, down) / geometry::norm(down));
   }
   const auto look = [&](const LoadSet& loads) {
     if (!loads.water || loads.water_level || !(loads.water->level <= lowest)) return;
