@@ -31,6 +31,29 @@ class MonteCarloTest : public ProgramTest {
   }
 };
 
+// Figures of ensembles are those of the base case: that what fails under load is not in them is said.
+TEST_F(MonteCarloTest, LoadCasesThatAreNotCountedAreSaid) {
+  const std::string note = "no [[load]] is in these figures";
+  write("s.toml", scene("realizations = 3") + "[[load]]\nname = \"quake\"\nseismic = [0.5, 0, 0]\n");
+  const Ended shaken = cleave("run s.toml -o out");
+  ASSERT_EQ(shaken.code, 0) << shaken.err;
+  EXPECT_TRUE(shaken.out.contains(note)) << shaken.out;
+  EXPECT_TRUE(read("out/log.txt").contains(note));
+  EXPECT_TRUE(read("out/report.html").contains(note));
+  EXPECT_TRUE(section("out")["notes"].dump().contains(note));
+  write("s.toml", scene("realizations = 3"));
+  EXPECT_FALSE(cleave("run s.toml -o out").out.contains(note));
+  // Nor are stages before the last.
+  const std::string stages = "what moves only in a stage before the last is not in these figures";
+  EXPECT_FALSE(read("out/log.txt").contains(stages));
+  const std::string second =
+      "[[excavation]]\nname = \"u\"\nkind = \"tunnel\"\nsection = { shape = \"rectangle\", width = 1, height = 1 }\n"
+      "axis = [[6, 0, 3], [6, 8, 3]]\nstage = 2\n";
+  write("s.toml", scene("realizations = 3") + second);
+  ASSERT_EQ(cleave("run s.toml -o out").code, 0);
+  EXPECT_TRUE(read("out/log.txt").contains(stages));
+}
+
 // What the openings take is the same in all realizations: told once, with the share that misses the rock.
 TEST_F(MonteCarloTest, OpeningsAreToldWithTheShareThatMissesTheRock) {
   const auto with = [&](const std::string& axis) {

@@ -70,6 +70,18 @@ INSTANTIATE_TEST_SUITE_P(
             with_box("[[joint]]\nfile = \"j.csv\"\n"),
             "j.csv:1: file: is a workbook, not a table in text; export the sheet as CSV",
             {{"j.csv", "PK\x03\x04rest"}}},
+        Bad{"ArcWithoutAWall",
+            with_box("[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\nsection = { shape = \"rectangle\", width = 2, "
+                     "height = 2 }\naxis = [[4, 0, 3], [4, 8, 3]]\n[support]\n[[support.bolts]]\ntunnel = \"t\"\n"
+                     "spacing = [1, 1]\narc = [10, 60]\nlength = 2\ntendon_capacity = 1e5\nbond_strength = 1e5\n"
+                     "anchorage = 0.5\n"),
+            "s.toml:12: support.bolts[1].arc: leaves no bolts: no wall of the section has its normal there, or rings "
+            "begin beyond the tunnel's end; widen the arc, or lessen the offset"},
+        Bad{"ProbabilityOfJointsThatEndAtNone",
+            with_box("[[joint_set]]\norientation = { dip = 30, dip_direction = 90 }\nsize = 3\n"
+                     "intensity = { count = 3 }\nprobability = 50\n"),
+            "s.toml:7: joint_set[1].probability: has no meaning for the model \"baecher\"; remove it, or take another "
+            "model"},
         Bad{"DipAndDirectionSwapped",
             with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 210, dip_direction = 45 }\n"),
             "s.toml:4: joint[1].plane.dip: is 210; give a number from 0 to 90 degrees, or swap dip and "

@@ -140,6 +140,23 @@ TEST(KeyBlocksScene, TheSearchFindsTheWidestPatternThatPasses) {
   EXPECT_EQ(again.designs.at(0).failing, found.failing);
 }
 
+// What a search finds holds under every [[load]] too.
+TEST(KeyBlocksScene, TheSearchLooksAtEveryLoadCase) {
+  const std::string design = "[support.design]\nlengths = [12]\nscale = [0.25, 4]\nphases = 2\noffsets = 5\n";
+  const std::string quake = "[[load]]\nname = \"quake\"\nseismic = [0.2, 0, 0]\n";
+  const DesignResult still = result_of(slope(1, 1, 0.5, 0.5, design)).designs.at(0);
+  const DesignResult shaken = result_of(slope(1, 1, 0.5, 0.5, quake + design)).designs.at(0);
+  ASSERT_TRUE(still.found);
+  ASSERT_TRUE(shaken.found);
+  EXPECT_LT(shaken.scale, 0.95 * still.scale);
+  const auto passes = [&](double scale) {
+    const RunResult r = result_of(slope(scale, scale, 0.5, 0.5, quake));
+    return r.support->passes() && r.support_cases.at(0).support.passes();
+  };
+  EXPECT_TRUE(passes(shaken.scale));
+  EXPECT_FALSE(passes(still.scale));
+}
+
 /// Tunnel 6 x 6 m along y and three sets; their planes go through `apex`, (x, z) from the tunnel's middle.
 std::string wedge_scene(double right, double up) {
   std::string text = R"([domain]

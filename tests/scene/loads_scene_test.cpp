@@ -85,6 +85,30 @@ TEST(LoadsSceneTest, EveryCaseIsJudged) {
   EXPECT_NE(factor(result->load_cases[1].analysis), factor(*result->analysis));
 }
 
+// A factor makes water light, so of two tables neither the higher one nor the lower one may press more everywhere.
+TEST(LoadsSceneTest, CombinedWaterPressesNowhereLessThanEither) {
+  const auto with = [](const std::string& base) {
+    return scene_of(with_box("[stability]\nfree = [\"top\"]\n" + base +
+                             "[[load]]\nname = \"rain\"\nwater = { table = 5, free_faces = true }\n"
+                             "[[load]]\nname = \"both\"\ncombine = { rain = 0.1 }\nwater = { table = 4 }\n"
+                             "[[load]]\nname = \"part\"\ncombine = { rain = 0.5 }\n"));
+  };
+  const Scene scene = with("");
+  const auto& both = scene.stability->cases.at(1).loads.water;
+  ASSERT_TRUE(both.has_value());
+  EXPECT_EQ(both->level, 5);
+  EXPECT_EQ(both->unit_weight.si(), 9810);
+  EXPECT_TRUE(both->on_free_faces);
+  EXPECT_EQ(scene.stability->cases.at(2).loads.water->unit_weight.si(), 4905);
+  const auto said = [](const Scene& s) {
+    return std::ranges::count_if(s.notes, [](const Problem& note) {
+      return note.what == "makes water lighter than that of [stability], whose place it takes";
+    });
+  };
+  EXPECT_EQ(said(scene), 0);
+  EXPECT_EQ(said(with("water = { table = 3 }\n")), 1);
+}
+
 // W sin(dip) against (W cos(dip) - u A) tan(friction): the pressure of one set is on its joints and on no other's.
 TEST(LoadsSceneTest, PressureOfASetActsOnItsJointsOnly) {
   const Scene scene = scene_of(R"([domain]

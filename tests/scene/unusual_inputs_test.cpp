@@ -54,6 +54,54 @@ TEST(UnusualInputs, GravityIsThatOfAPlanet) {
   EXPECT_EQ(with("1.62"), Said{});
 }
 
+TEST(UnusualInputs, WhatMeansAnotherThingThanItSaysIsSaid) {
+  const auto with = [](const std::string& stability) {
+    return texts(joints_and_rock + strength + "[stability]\nfree = [\"top\"]\n" + stability);
+  };
+  EXPECT_EQ(with("gravity = 0\n"), (Said{"stability.gravity is 0, so that blocks have no weight"}));
+  EXPECT_EQ(with("water = { table = -5 }\n"),
+            (Said{"water.table is -5, below all of the rock (from 0 on), so that nothing is wet"}));
+  EXPECT_EQ(with("[[load]]\nname = \"wet\"\nwater = { table = -5 }\n").size(), 1U);
+  EXPECT_EQ(with("water = { table = 2 }\n"), Said{});
+  // A table counts against gravity, wherever that points.
+  EXPECT_EQ(with("gravity = [0, 0, 9.81]\nwater = { table = -5 }\n"), Said{});
+  EXPECT_EQ(with("surcharge = [{ on = \"top\", pressure = -20e3 }]\n"),
+            (Said{"stability.surcharge[1].pressure is below 0: it pulls at the rock"}));
+  EXPECT_EQ(with("target = { falling = 0.5 }\n"),
+            (Said{"stability.target.falling asks for a factor of safety below 1"}));
+  EXPECT_EQ(with("target = { falling = 1, sliding = 1 }\n"), Said{});
+}
+
+TEST(UnusualInputs, AnglesThatMayBeRadiansAreSaid) {
+  const auto with = [](const std::string& angles) {
+    return texts("[[joint]]\nplane = { through = [4, 4, 3], " + angles + " }\n[rock]\ndensity = 2700\n" + strength +
+                 "[stability]\nfree = [\"top\"]\n");
+  };
+  EXPECT_EQ(with("dip = 0.785, dip_direction = 4.71"),
+            (Said{"joint[1].plane.dip is 0.785 beside dip_direction = 4.71, in degrees"}));
+  EXPECT_EQ(with("plunge = 0.785, trend = 4.71"),
+            (Said{"joint[1].plane.plunge is 0.785 beside trend = 4.71, in degrees"}));
+  EXPECT_EQ(with("dip = 1, dip_direction = 5"), Said{});
+  EXPECT_EQ(with("dip = 0.785, dip_direction = 64.5"), Said{});
+  EXPECT_EQ(with("dip = \"0.785 deg\", dip_direction = \"4.71 deg\""), Said{});
+}
+
+TEST(UnusualInputs, ShotcreteAndStressOfOtherConventions) {
+  const std::string tunnel =
+      "[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\nsection = { shape = \"circle\", diameter = 2 }\n"
+      "axis = [[4, 0, 3], [4, 8, 3]]\n[support]\nshotcrete = { thickness = 0.1, ";
+  const auto with = [&](const std::string& more) { return texts(joints_and_rock + strength + tunnel + more); };
+  EXPECT_EQ(with("strength = 30e6 }\n"),
+            (Said{"support.shotcrete.strength is 30000000 Pa, which is far from usual (10000 to 1e+07)"}));
+  EXPECT_EQ(with("strength = 1e6, adhesion = 0.5e6, bond_width = 30 }\n"),
+            (Said{"support.shotcrete.bond_width is 30 m, which is far from usual (0.001 to 0.5)"}));
+  const std::string stress = "strength = 1e6 }\n[field_stress]\ntolerance = 1e-2\nstress = ";
+  EXPECT_EQ(texts(joints_and_rock + "poisson = 0.25\n" + strength + tunnel + stress + "[5e6, 5e6, 5e6, 0, 0, 0]\n"),
+            (Said{"field_stress.stress pulls: normal stresses above 0 are tension"}));
+  EXPECT_EQ(texts(joints_and_rock + "poisson = 0.25\n" + strength + tunnel + stress + "[-5e6, -5e6, -5e6, 0, 0, 0]\n"),
+            Said{});
+}
+
 TEST(UnusualInputs, SmallComponentsBesideUsualOnesAreUsual) {
   EXPECT_EQ(remedies(joints_and_rock + strength +
                      "[stability]\nfree = [\"top\"]\nseismic = [0.15, 0, 1e-5]\nwater = { pressures = { A = 60e3 } }\n"

@@ -623,6 +623,9 @@ TEST(PatternTest, RingsOfAHorseshoe) {
   for (const Bolt& bolt : bolts_of(ring)) EXPECT_GT(bolt.direction.z, std::cos(radians(46)));
   ring.stagger = true;
   EXPECT_LE(bolts_of(ring).size(), 32U * 3U);
+  // Between the walls at 90 degrees and the floor at 180 no side of the section looks.
+  ring.arc = {100, 150};
+  EXPECT_TRUE(bolts_of(ring).empty());
 }
 
 TEST(PatternTest, GridCounts) {

@@ -4,7 +4,9 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "cleave/core/overloaded.hpp"
 #include "cleave/core/rng.hpp"
@@ -60,7 +62,7 @@ enum class GroupsHeld : std::uint8_t {
   all,
 };
 
-/// What a search asks of a plan.
+/// What a search asks of a plan under one load case.
 class PlanCheck {
  public:
   /// `groups`: whether blocks are judged together too.
@@ -105,8 +107,9 @@ bool holds(const stability::GroupSupport& groups, GroupsHeld asked) {
 /// Looks for the widest spacings of one length of bolt.
 class DesignSearch {
  public:
-  DesignSearch(const SupportSettings& support, double length, std::uint64_t seed, PlanCheck& check)
-      : support_{&support}, length_{length}, seed_{seed}, check_{&check}, plan_{support.plan} {
+  /// Every check must pass: that of the base case and of each load case.
+  DesignSearch(const SupportSettings& support, double length, std::uint64_t seed, std::span<PlanCheck> checks)
+      : support_{&support}, length_{length}, seed_{seed}, checks_{checks}, plan_{support.plan} {
     if (!support.design->spot) plan_.spot.reset();  // spot bolts would hide what the pattern lacks
     plan_.factors = false;
   }
@@ -118,18 +121,18 @@ class DesignSearch {
     row.found = passes(scale);
     if (row.found) {
       scale = widest(design.widest);
-      if (check_->has_groups()) scale = widest_with_groups(scale);
+      if (has_groups()) scale = widest_with_groups(scale);
       plan_.bolts = bolts_with(*support_, scale, length_, {});
       row.bolts = plan_.bolts.size();
       row.cost = static_cast<double>(row.bolts) * (design.cost_per_bolt + design.cost_per_metre * length_);
       if (plan_.spot) {
-        row.spot_bolts = (*check_)(plan_).spot_bolts;
+        for (PlanCheck& check : checks_) row.spot_bolts = std::max(row.spot_bolts, check(plan_).spot_bolts);
         row.cost += static_cast<double>(row.spot_bolts) *
                     (design.cost_per_bolt + design.cost_per_metre * plan_.spot->length.si());
       }
     }
     row.scale = scale;
-    if (check_->has_groups()) row.groups = groups_at(scale);
+    if (has_groups()) row.groups = groups_at(scale);
     describe(scale, row);
     try_offsets(scale, row);
     if (!row.found) row.scale = 0;
@@ -141,11 +144,17 @@ class DesignSearch {
   bool passes(double scale) {
     for (std::uint32_t k = 0; k < support_->design->phases; ++k) {
       place(scale, k);
-      const stability::SupportResult result = (*check_)(plan_);
-      if (!result.passes()) return false;
-      if (asked_ != GroupsHeld::unasked && !holds(check_->groups(plan_, result), asked_)) return false;
+      for (PlanCheck& check : checks_) {
+        const stability::SupportResult result = check(plan_);
+        if (!result.passes()) return false;
+        if (asks_groups(check) && !holds(check.groups(plan_, result), asked_)) return false;
+      }
     }
     return true;
+  }
+  [[nodiscard]] bool has_groups() const { return std::ranges::any_of(checks_, &PlanCheck::has_groups); }
+  [[nodiscard]] bool asks_groups(const PlanCheck& check) const {
+    return asked_ != GroupsHeld::unasked && check.has_groups();
   }
   void place(double scale, std::uint32_t phase) {
     const double share = static_cast<double>(phase) / support_->design->phases;
@@ -175,16 +184,19 @@ class DesignSearch {
     return high;
   }
 
-  /// At the worst of the phases.
+  /// At the worst of the phases and load cases.
   SupportedGroupFigures groups_at(double scale) {
-    SupportedGroupFigures worst;
+    std::optional<SupportedGroupFigures> worst;
+    const auto lacks = [](const SupportedGroupFigures& f) { return std::pair{f.not_held, f.in_doubt}; };
     for (std::uint32_t k = 0; k < support_->design->phases; ++k) {
       place(scale, k);
-      const SupportedGroupFigures now = count_supported_groups(check_->groups(plan_, (*check_)(plan_)));
-      const auto lacks = [](const SupportedGroupFigures& f) { return std::pair{f.not_held, f.in_doubt}; };
-      if (k == 0 || lacks(now) > lacks(worst)) worst = now;
+      for (PlanCheck& check : checks_) {
+        if (!check.has_groups()) continue;
+        const SupportedGroupFigures now = count_supported_groups(check.groups(plan_, check(plan_)));
+        if (!worst || lacks(now) > lacks(*worst)) worst = now;
+      }
     }
-    return worst;
+    return worst.value_or(SupportedGroupFigures{});
   }
 
   void describe(double scale, DesignResult& row) const {
@@ -202,53 +214,70 @@ class DesignSearch {
                support_->patterns.front());
   }
 
+  /// How often a block was not held.
+  using Missing = std::map<topology::BlockId, std::uint64_t>;
+
+  /// Whether the plan as it lies holds everything under one load case.
+  bool held_under(PlanCheck& check, Missing& missing) {
+    const stability::SupportResult result = check(plan_);
+    bool held = result.passes();
+    if (held && asks_groups(check)) {
+      const stability::GroupSupport groups = check.groups(plan_, result);
+      held = holds(groups, asked_);
+      if (!held && !groups.left.groups.empty()) ++missing[groups.left.groups.front().blocks.front()];
+    }
+    for (const stability::SupportedBlock& b : result.blocks) {
+      if (b.held == stability::Held::not_held) ++missing[b.block];
+    }
+    for (const stability::CombinedBlock& b : result.combined) {
+      if (!b.passes) ++missing[b.members.front()];
+    }
+    return held;
+  }
+
   /// The phases of the search are a few places of the pattern; what share of all places fails is another question.
   void try_offsets(double scale, DesignResult& row) {
-    std::map<topology::BlockId, std::uint64_t> missing;
+    Missing missing;
     Rng rng{{.seed = seed_, .purpose = stream_purpose(0, offsets_stream), .index = 0}};
     row.offsets = support_->design->offsets;
     for (std::uint64_t k = 0; k < row.offsets; ++k) {
       const double along = rng.uniform(), around = rng.uniform();
       plan_.bolts = bolts_with(*support_, scale, length_, {along, around});
-      const stability::SupportResult result = (*check_)(plan_);
-      bool held = result.passes();
-      if (held && asked_ != GroupsHeld::unasked) {
-        const stability::GroupSupport groups = check_->groups(plan_, result);
-        held = holds(groups, asked_);
-        if (!held && !groups.left.groups.empty()) ++missing[groups.left.groups.front().blocks.front()];
-      }
+      bool held = true;
+      for (PlanCheck& check : checks_) held = held_under(check, missing) && held;
       row.failing += held ? 0U : 1U;
-      for (const stability::SupportedBlock& b : result.blocks) {
-        if (b.held == stability::Held::not_held) ++missing[b.block];
-      }
-      for (const stability::CombinedBlock& b : result.combined) {
-        if (!b.passes) ++missing[b.members.front()];
-      }
     }
     const stochastic::Interval share = stochastic::clopper_pearson(row.failing, row.offsets, 0.95);
     row.failing_share = {share.low, share.high};
     if (!missing.empty()) {
       row.governing = std::ranges::max_element(missing, {}, [](const auto& m) { return m.second; })->first.value();
-      return;
+    } else {
+      name_least(scale, row);
     }
+  }
+
+  /// The block nearest to its target.
+  void name_least(double scale, DesignResult& row) {
     plan_.factors = true;
     plan_.bolts = bolts_with(*support_, scale, length_, {});
     double least = std::numeric_limits<double>::infinity();
-    const stability::SupportResult result = (*check_)(plan_);
     const auto ask = [&](topology::BlockId block, std::optional<double> factor, double target) {
       if (!factor || !(*factor / target < least)) return;
       least = *factor / target;
       row.governing = block.value();
     };
-    for (const stability::SupportedBlock& b : result.blocks) ask(b.block, b.factor_with_support, b.target);
-    for (const stability::CombinedBlock& b : result.combined) ask(b.members.front(), b.factor_with_support, b.target);
+    for (PlanCheck& check : checks_) {
+      const stability::SupportResult result = check(plan_);
+      for (const stability::SupportedBlock& b : result.blocks) ask(b.block, b.factor_with_support, b.target);
+      for (const stability::CombinedBlock& b : result.combined) ask(b.members.front(), b.factor_with_support, b.target);
+    }
     plan_.factors = false;
   }
 
   const SupportSettings* support_;
   double length_;
   std::uint64_t seed_;
-  PlanCheck* check_;
+  std::span<PlanCheck> checks_;
   stability::SupportPlan plan_;
   GroupsHeld asked_ = GroupsHeld::unasked;
 };
@@ -357,11 +386,18 @@ void judge_support(const Scene& scene, const topology::AuditedComplex& complex, 
   }
   if (!support.design || !designs || !made.undecided.empty()) return;
   const bool groups = scene.stability->groups != stability::GroupsCheck::off;
-  PlanCheck check{complex, settings, analysis, support.plan, groups ? std::optional{together(scene)} : std::nullopt};
-  for (const double length : support.design->lengths) {
-    made.designs.push_back(DesignSearch{support, length, scene.seed, check}.run());
+  const auto asked = groups ? std::optional{together(scene)} : std::nullopt;
+  std::vector<PlanCheck> checks;
+  checks.emplace_back(complex, settings, analysis, support.plan, asked);
+  for (std::size_t k = 0; k < made.load_cases.size(); ++k) {
+    const LoadSet& loads = scene.stability->cases[k].loads;
+    checks.emplace_back(complex, settings_on(complex.complex(), scene, made, loads), made.load_cases[k].analysis,
+                        support.plan, asked);
   }
-  note(check.undecided(), made);
+  for (const double length : support.design->lengths) {
+    made.designs.push_back(DesignSearch{support, length, scene.seed, checks}.run());
+  }
+  for (const PlanCheck& check : checks) note(check.undecided(), made);
 }
 
 }  // namespace cleave::scene

@@ -30,6 +30,16 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
         "blocks were judged one by one: what only moves together (key groups) is not counted, so that more may fail; "
         "groups = \"decide\" counts it, a single run of a realization tells its groups");
   }
+  if (scene.stability && !scene.stability->cases.empty()) {
+    page.result.figures.notes.push_back(
+        "no [[load]] is in these figures: they are of the base case, and under load more may fail; put the loads that "
+        "count into [stability], in an ensemble of their own; a replay of a realization judges every load case");
+  }
+  if (scene.stability && scene.sequence) {
+    page.result.figures.notes.push_back(
+        "key blocks and support are those of the rock when all is excavated: what moves only in a stage before the "
+        "last is not in these figures; a replay of a realization judges every stage");
+  }
   if (scene.stability && scene.stability->group_factor) {
     page.result.figures.notes.push_back(
         "group_factor is not looked for in ensembles; a replay of a realization looks for it");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -36,6 +37,16 @@ bool swapped(const TableReader& table) {
   return dip && direction && *dip > 90 && *dip <= 360 && *direction >= 0 && *direction <= 90;
 }
 
+/// Bare angles, both small and not both whole, may be radians.
+void note_radians(const TableReader& table, std::string_view inclination, std::string_view bearing) {
+  constexpr double right_angle = 1.571, whole_turn = 6.284;
+  const auto a = bare(table, inclination), b = bare(table, bearing);
+  if (!a || !b || *a > right_angle || *b > whole_turn) return;
+  if (std::round(*a) == *a && std::round(*b) == *b) return;
+  table.note(inclination, fmt::format("is {} beside {} = {}, in degrees", *a, bearing, *b),
+             fmt::format("if they are meant in radians, write \"{} rad\" and \"{} rad\"", *a, *b));
+}
+
 }  // namespace
 
 std::optional<geometry::Attitude> parse_attitude(const Context& context, const TableReader& table) {
@@ -53,10 +64,12 @@ std::optional<geometry::Attitude> parse_attitude(const Context& context, const T
   if (!pole) {
     const auto dip = table.need_number("dip"), direction = table.need_number("dip_direction");
     if (!dip || !direction) return std::nullopt;
+    note_radians(table, "dip", "dip_direction");
     return geometry::Attitude{Dip::degrees(*dip), context.turned(*direction)};
   }
   const auto trend = table.need_number("trend"), plunge = table.need_number("plunge");
   if (!trend || !plunge) return std::nullopt;
+  note_radians(table, "plunge", "trend");
   return geometry::Attitude{Dip::degrees(90 - *plunge), context.turned(geometry::wrap_degrees(*trend + 180))};
 }
 

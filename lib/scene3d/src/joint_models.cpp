@@ -191,7 +191,7 @@ std::optional<dfn::Model> parse_model(const TableReader& set, const OtherSets& o
   if (model == 0 && persistent && set.has("gaps")) model = 7;
   for (const Key& own_key : model_keys()) {
     const string_view key = own_key.name;
-    if (key == "probability" && model == 0) continue;
+    if (key == "probability" && model == 0 && set.has("terminates_at")) continue;
     const bool own =
         std::ranges::any_of(std::array{1U, 2U, 3U, 4U, 5U, 6U, 7U}, [&](std::size_t m) { return takes(m, key); });
     if (!own || !set.has(key) || takes(model, key)) continue;

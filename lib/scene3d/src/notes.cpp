@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "cleave/core/overloaded.hpp"
@@ -77,6 +78,28 @@ void note_sets_without_friction(const Scene& scene, const TableReader& root) {
             "add [joints.default] with friction, or a table for each of them");
 }
 
+/// Tables below all of the rock: a depth where a level is asked for.
+void note_dry_tables(const Scene& scene, const TableReader& root) {
+  const geometry::Vec3 down = scene.stability->gravity;
+  if (down == geometry::Vec3{}) return;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const geometry::Vec3 v : scene.domain.vertices()) {
+    lowest = std::min(lowest, 0 - geometry::dot(v, down) / geometry::norm(down));
+  }
+  const auto look = [&](const LoadSet& loads) {
+    if (!loads.water || loads.water_level || !(loads.water->level <= lowest)) return;
+    root.problems().note(loads.line, "water.table",
+                         fmt::format("is {:g}, below all of the rock (from {:g} on), so that nothing is wet",
+                                     loads.water->level, lowest),
+                         "give the level of the table in the coordinates of the scene, not its depth");
+  };
+  look(scene.stability->loads);
+  const auto& base = scene.stability->loads.water;
+  for (const LoadCase& load : scene.stability->cases) {
+    if (!base || !load.loads.water || base->level != load.loads.water->level) look(load.loads);
+  }
+}
+
 }  // namespace
 
 void find_notes(const Scene& scene, const TableReader& root) {
@@ -112,6 +135,7 @@ void find_notes(const Scene& scene, const TableReader& root) {
                   "add [joints.default] with friction");
   }
   note_sets_without_friction(scene, root);
+  note_dry_tables(scene, root);
   const bool stiff =
       std::ranges::any_of(scene.sets, [](const NamedSet& set) { return set.properties.stiffness.has_value(); });
   if (stiff && !scene.field_stress) {

@@ -173,6 +173,9 @@ std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, c
     table.missing("stress", "write stress = [xx, yy, zz, xy, yz, zx] in Pa, compression negative");
   }
   settings.stress = components(table, "stress");
+  if (std::max({settings.stress[0], settings.stress[1], settings.stress[2]}) > 0) {
+    table.note("stress", "pulls: normal stresses above 0 are tension", "compression is negative here; turn the signs");
+  }
   settings.gradient = components(table, "gradient");
   settings.level = table.value("level");
   settings.surface = table.number("surface");

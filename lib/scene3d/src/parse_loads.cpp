@@ -140,6 +140,9 @@ void parse_surcharge(const TableReader& table, const std::optional<geometry::Sol
   const auto surface = parse_surface(table, domain, excavations);
   const auto traction = table.vec3("traction");
   const auto pressure = table.number("pressure");
+  if (pressure && *pressure < 0) {
+    table.note("pressure", "is below 0: it pulls at the rock", "what presses against the rock is positive");
+  }
   if (!table.has("traction") && !table.has("pressure")) {
     table.missing("traction", "add traction = [x, y, z] (Pa) or pressure (Pa, against the rock)");
   }
@@ -156,11 +159,18 @@ void add(StatedLoads& sum, const StatedLoads& part, double factor) {
   if (part.water) {
     stability::WaterTable water = *part.water;
     water.unit_weight *= factor;
-    // Two tables: the one that presses more anywhere they differ is the higher one.
-    if (!sum.water || water.level > sum.water->level) {
-      sum.water = water;
-      sum.water_level = part.water_level;
+    // Of two tables the level of the higher one and the larger unit weight: nowhere less than either presses, also
+    // where a factor has made the higher one light.
+    if (sum.water) {
+      water.unit_weight = std::max(water.unit_weight, sum.water->unit_weight);
+      water.on_free_faces = water.on_free_faces || sum.water->on_free_faces;
     }
+    if (!sum.water || water.level > sum.water->level) {
+      sum.water_level = part.water_level;
+    } else {
+      water.level = sum.water->level;
+    }
+    sum.water = water;
   }
   for (const auto& [set, pressure] : part.pressures) {
     const auto same = std::ranges::find(sum.pressures, set, &std::pair<SetId, double>::first);
@@ -204,12 +214,11 @@ std::vector<Key> load_set_keys() {
 
 const KeyTable& load_keys() {
   static const KeyTable keys = [] {
-    KeyTable table{
-        .name = "load",
-        .keys = {{"name", key::text(), required, "of the case"},
-                 {"combine", key::named(key::number(combine_rule)), "",
-                  "`{ NAME = factor }` adds earlier cases times a factor; of two water tables the higher one "
-                  "counts, of two pressures of a set the larger"}}};
+    KeyTable table{.name = "load",
+                   .keys = {{"name", key::text(), required, "of the case"},
+                            {"combine", key::named(key::number(combine_rule)), "",
+                             "`{ NAME = factor }` adds earlier cases times a factor; of two water tables the higher "
+                             "level and the larger unit weight count, of two pressures of a set the larger"}}};
     for (Key& key : load_set_keys()) table.keys.push_back(std::move(key));
     return table;
   }();
@@ -293,6 +302,10 @@ std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader
     StatedLoads total = base;
     // Water of the case takes the place of that of [stability]; forces add up.
     if (loads.water) {
+      if (table.has("combine") && base.water && loads.water->unit_weight < base.water->unit_weight) {
+        table.note("combine", "makes water lighter than that of [stability], whose place it takes",
+                   "where that lies deep it presses less: give this load a water of its own");
+      }
       total.water.reset();
       total.water_level.reset();
     }

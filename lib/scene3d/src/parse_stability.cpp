@@ -100,6 +100,9 @@ stability::PartialFactors parse_partial(const TableReader& stability) {
 std::optional<Targets> parse_target(const TableReader& stability) {
   const auto table = stability.sub("target");
   if (!table) return std::nullopt;
+  for (const std::string_view key : {"falling", "sliding"}) {
+    if (table->value(key) < 1) table->note(key, "asks for a factor of safety below 1", "what moves would meet it");
+  }
   return Targets{.falling = table->value("falling"), .sliding = table->value("sliding")};
 }
 
@@ -248,6 +251,9 @@ ParsedStability parse_stability(const Context& context, const TableReader& root,
         if (const auto vector = table.vec3("gravity")) gravity = *vector;
       } else {
         gravity = {0, 0, -table.value("gravity")};
+      }
+      if (settings.gravity == geometry::Vec3{}) {
+        table.note("gravity", "is 0, so that blocks have no weight", "that of the earth is 9.81");
       }
     }
     loads = parse_load_set(context, table, domain, excavations);

@@ -22,8 +22,10 @@ constexpr NumberRule capacity_rule = NumberRule{0, false, 1e12, false, " N"}.usu
 constexpr NumberRule bond_rule = NumberRule{0, false, 1e12, false, " N/m"}.usually(1e3, 1e9);
 constexpr NumberRule bolt_length_rule = rule::length.usually(0.2, 200);
 constexpr NumberRule thickness_rule = rule::length.usually(0.005, 2);
-constexpr NumberRule shotcrete_rule = NumberRule{0, true, 1e12, false, " Pa"}.usually(1e4, 1e9);
-constexpr NumberRule adhesion_rule = NumberRule{0, false, 1e15, false, " Pa"}.usually(1e3, 1e9);
+constexpr NumberRule shotcrete_rule = NumberRule{0, true, 1e12, false, " Pa"}.usually(
+    1e4, 1e7, "in shear it is a tenth of that in compression or less: check it");
+constexpr NumberRule adhesion_rule = NumberRule{0, false, 1e15, false, " Pa"}.usually(1e3, 1e7);
+constexpr NumberRule bond_width_rule = rule::length.usually(0.001, 0.5);
 constexpr NumberRule area_rule{0, false, 1e9, false, " m2"};
 constexpr NumberRule arc_rule{-180, false, 180, false, " degrees"};
 constexpr NumberRule inclination_rule{-80, false, 80, false, " degrees"};
@@ -107,7 +109,7 @@ const KeyTable& shotcrete_keys() {
                              .keys = {{"thickness", key::number(thickness_rule), required, "m"},
                                       {"strength", key::number(shotcrete_rule), required, "Pa, in shear"},
                                       {"adhesion", key::number(adhesion_rule), "0", "Pa"},
-                                      {"bond_width", key::number(rule::length), "0.03", "m"}}};
+                                      {"bond_width", key::number(bond_width_rule), "0.03", "m"}}};
   return keys;
 }
 
@@ -184,7 +186,10 @@ void parse_rings(const TableReader& table, const std::vector<Excavation>& excava
   if (!table.has("spacing")) table.missing("spacing", "add spacing = [along the axis, around the section], m");
   const auto offset = table.pair("offset");
   const auto arc = table.pair("arc");
-  if (arc && !((*arc)[0] < (*arc)[1])) table.error("arc", "its first angle is not below its second", "swap them");
+  if (arc && !((*arc)[0] < (*arc)[1])) {
+    table.error("arc", "its first angle is not below its second", "swap them");
+    return;
+  }
   if (!name || !spacing) return;
   std::vector<string_view> known;
   for (const Excavation& excavation : excavations) {
@@ -202,6 +207,13 @@ void parse_rings(const TableReader& table, const std::vector<Excavation>& excava
     ring.stagger = table.flag("stagger");
     ring.inclination = table.value("inclination");
     const auto bolts = bolts_of(ring);
+    if (bolts.empty()) {
+      table.error(arc ? "arc" : "offset",
+                  "leaves no bolts: no wall of the section has its normal there, or rings begin "
+                  "beyond the tunnel's end",
+                  "widen the arc, or lessen the offset");
+      return;
+    }
     if (bolts.size() > 200'000) {
       table.error("spacing", fmt::format("makes {} bolts", bolts.size()), "space them wider");
       return;

@@ -64,6 +64,7 @@ std::vector<Bolt> bolts_of(const RingPattern& pattern) {
     return bolts;
   }
   const Arc arc = arc_of(pattern);
+  if (arc.edges.empty()) return bolts;
   const std::vector<geometry::SectionFrame> frames = geometry::section_frames(pattern.axis, pattern.up);
   double total = 0;
   for (std::size_t i = 0; i + 1 < pattern.axis.size(); ++i) total += norm(pattern.axis[i + 1] - pattern.axis[i]);
