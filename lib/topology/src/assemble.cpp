@@ -338,7 +338,8 @@ BlockComplex::Packed assemble(const CutInput& input, const Prepared& prepared, c
                    .block_of = {},
                    .present = {},
                    .links = {},
-                   .line_of = {},
+                   .slot_of = {},
+                   .line_of_slot = {},
                    .begin = {},
                    .half_faces = {},
                    .sheets = {},
@@ -358,9 +359,12 @@ BlockComplex::Packed assemble(const CutInput& input, const Prepared& prepared, c
   out.report.excavated = excavated_volumes(parts, cells);
   number_blocks(cells, parts, threads);
   link_present(cells, parts, threads);
-  parts.line_of.resize(graph.uses.size());
-  for (const Edge& edge : graph.edges) {
-    std::ranges::fill(std::span{parts.line_of}.subspan(edge.first_use, edge.use_count), edge.line);
+  parts.slot_of.reserve(graph.uses.size());
+  for (const Use& use : graph.uses) parts.slot_of.push_back(use.slot);
+  parts.line_of_slot.resize(graph.slots.size());
+  for (Index line = 0; line < graph.lines.size(); ++line) {
+    const auto [p, q, approx, first, count] = graph.lines[line];
+    std::ranges::fill(std::span{parts.line_of_slot}.subspan(first, count), line);
   }
   if (no_more_needed != nullptr && !prepared.keep_dangling) {
     let_go(no_more_needed->edges);

@@ -286,7 +286,7 @@ void BlockMaker::count_vertices() {
   corners_.clear();
   seen_.assign(sides_.size(), 0);
   if (!parts_.sheets.empty()) count_left();
-  const auto line_of = [&](Index side) { return parts_.line_of[sides_[side].flank / 4]; };
+  const auto line_of = [&](Index side) { return parts_.line_of_slot[parts_.slot_of[sides_[side].flank / 4]]; };
   for (Index side = 0; side < sides_.size(); ++side) {
     if (seen_[side] != 0) continue;
     Index size = 0, at = side;
@@ -429,15 +429,15 @@ void BlockMaker::add_loops(Index face, Face& made) {
 /// Seen from outside the block.
 bool BlockMaker::turns_left(const Loop& loop, Index plane) const {
   const Index half = parts_.arrangement.half_turn[plane];
+  const auto direction = [&](Index flank) {
+    return parts_.arrangement.direction_of(flank / 2, parts_.slot_of[flank / 4], half);
+  };
   std::int64_t turning = 0;
   for (Index k = loop.first; k < loop.first + loop.count; ++k) {
     const Index flank = sides_[k].flank;
-    const Index from = parts_.arrangement.direction_of(flank / 2);
-    const Index to = parts_.arrangement.direction_of(sides_[sides_[k].next].flank / 2);
     // Directions grow counter-clockwise seen from the positive side; a block there is looked at from the other side and
     // its faces are walked backwards, which changes the sense of each turn.
-    const Index step = (to + 2 * half - from) % (2 * half);
-    const std::int64_t left = step < half ? std::int64_t{step} : std::int64_t{step} - 2 * std::int64_t{half};
+    const std::int64_t left = turn_between(direction(flank), direction(sides_[sides_[k].next].flank), half);
     turning += flank % 2 == 1 ? left : -left;
   }
   return turning > 0;

@@ -30,7 +30,8 @@ struct BlockParts {
   std::vector<Index> block_of;                 ///< of each half-face; none where there is no rock
   std::vector<std::uint8_t> present;           ///< of each face: it has different blocks on its sides
   Links links;                                 ///< between the present faces; makers use up what is of their blocks
-  std::vector<Index> line_of;                  ///< of each use: its line
+  std::vector<Index> slot_of;                  ///< of each use: its slot
+  std::vector<Index> line_of_slot;             ///< of each slot: its line
   std::vector<Index> begin, half_faces;        ///< half-faces of each block in order (CSR)
   std::vector<Index> sheets;                   ///< of each face: Facet::sheet; empty where no polygon is folded
   std::vector<Index> before;                   ///< with sheets: of each half-edge, the one before it in its loop
