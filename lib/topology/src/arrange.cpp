@@ -16,15 +16,17 @@ using exact::Sign;
 /// Ranks of the directions of all lines in one plane, counter-clockwise about its normal, by exact signs.
 class Directions {
  public:
-  Directions(const Graph& graph, const PlaneView& view, Signs& signs) {
-    // One entry a line: its direction in the plane comes from the slot's transversal plane.
-    for (const Index use : view.uses) {
-      const Index slot = graph.uses[use].slot;
-      entries_.push_back({slot, graph.edges[graph.uses[use].edge].line, 0, 1, 0});
+  /// The ranks of the plane's slots go to `ranks`.
+  Directions(const Graph& graph, const PlaneView& view, Signs& signs, std::vector<Index>& ranks) {
+    // One entry a line: its direction in the plane comes from the slot's transversal plane. The uses of a line stand
+    // together, lines and their slots in order.
+    for (Index k = 0; k < view.uses.size(); ++k) {
+      const Use& use = graph.uses[view.uses[k]];
+      if (entries_.empty() || entries_.back().slot != use.slot) {
+        entries_.push_back({use.slot, graph.edges[use.edge].line, k, k, 0, 1, 0});
+      }
+      entries_.back().last = k + 1;
     }
-    std::ranges::sort(entries_, {}, &Entry::slot);
-    const auto repeated = std::ranges::unique(entries_, {}, &Entry::slot);
-    entries_.erase(repeated.begin(), repeated.end());
     if (entries_.empty()) return;
 
     // Everything is turned into the half-turn that starts at the first line's direction.
@@ -68,24 +70,35 @@ class Directions {
       entries_[k].rank = entries_[k - 1].rank + (before(entries_[k - 1], entries_[k]) ? 1 : 0);
     }
     half_turn_ = entries_.back().rank + 1;
-    std::ranges::sort(entries_, {}, &Entry::slot);
+    rays_.reserve(2 * entries_.size());
+    for (const Entry& e : entries_) {
+      const Index forward = e.flip > 0 ? e.rank : e.rank + half_turn_;
+      ranks[e.slot] = forward;
+      rays_.push_back({forward, e.first, e.last, false});
+      rays_.push_back({opposite(forward, half_turn_), e.first, e.last, true});
+    }
+    std::ranges::sort(rays_, {}, &Ray::direction);  // of one direction in any order: they have no vertex in common
   }
 
+  /// The uses of one line, seen along it or (`back`) against it: places [first, last) in the view.
+  struct Ray {
+    Index direction, first, last;
+    bool back;
+  };
   [[nodiscard]] Index half_turn() const noexcept { return half_turn_; }
-  /// Rank of the direction of the edge's line in this plane.
-  [[nodiscard]] Index of(Index slot) const {
-    const auto found = std::ranges::lower_bound(entries_, slot, {}, &Entry::slot);
-    return found->flip > 0 ? found->rank : found->rank + half_turn_;
-  }
+  /// In the order of their directions.
+  [[nodiscard]] std::span<const Ray> rays() const noexcept { return rays_; }
 
  private:
   struct Entry {
     Index slot, line;
+    Index first, last;  ///< uses in the view
     double key;
     int flip;
     Index rank;
   };
   std::vector<Entry> entries_;
+  std::vector<Ray> rays_;
   Index half_turn_ = 0;
 };
 
@@ -116,7 +129,7 @@ class Arranger {
   [[nodiscard]] Result result() && { return {std::move(faces_), std::move(face_loops_), std::move(covers_), signs_}; }
 
   void in_plane(const PlaneView& view) {
-    const Directions directions{graph_, view, signs_};
+    const Directions directions{graph_, view, signs_, out_.rank};
     out_.half_turn[view.plane] = directions.half_turn();
     link_half_edges(view, directions);
     find_loops(view, directions.half_turn());
@@ -149,39 +162,34 @@ class Arranger {
   }
 
  private:
+  /// A half-edge that arrives at a vertex goes on along the one just clockwise of its own twin: its face stays on the
+  /// left. Half-edges come to their vertices in the order of their directions.
   void link_half_edges(const PlaneView& view, const Directions& directions) {
-    struct Spoke {
-      std::uint64_t key;  ///< vertex, then direction
-      Index vertex, half_edge;
-    };
-    const auto spoke = [](Index vertex, Index direction, Index half_edge) {
-      return Spoke{std::uint64_t{vertex} << 32U | direction, vertex, half_edge};
-    };
-    std::vector<Spoke> spokes;
-    spokes.reserve(2 * view.uses.size());
-    const Index half = directions.half_turn();
     for (const Index use : view.uses) {
       const Edge& edge = graph_.edges[graph_.uses[use].edge];
-      const Index forward = directions.of(graph_.uses[use].slot);
-      const Index back = (forward + half) % (2 * half);
-      out_.direction[2 * use] = forward;
-      out_.direction[2 * use + 1] = back;
       out_.start[2 * use] = edge.from;
       out_.start[2 * use + 1] = edge.to;
-      spokes.push_back(spoke(edge.from, forward, 2 * use));
-      spokes.push_back(spoke(edge.to, back, 2 * use + 1));
     }
-    std::ranges::sort(spokes, {}, &Spoke::key);
-    // A half-edge that arrives at a vertex goes on along the spoke just clockwise of its own twin: its face stays on
-    // the left.
-    for (std::size_t first = 0; first < spokes.size();) {
-      std::size_t last = first;
-      while (last < spokes.size() && spokes[last].vertex == spokes[first].vertex) ++last;
-      for (std::size_t k = first; k < last; ++k) {
-        const std::size_t clockwise = k == first ? last - 1 : k - 1;
-        out_.next[spokes[k].half_edge ^ 1U] = spokes[clockwise].half_edge;
+    around_.resize(positions_.size(), {none, none});
+    reached_.clear();
+    for (const auto& [direction, first, last, back] : directions.rays()) {
+      for (Index k = first; k < last; ++k) {
+        const Index h = 2 * view.uses[k] + (back ? 1 : 0);
+        const Index vertex = out_.start[h];
+        Around& around = around_[vertex];
+        if (around.first == none) {
+          around.first = h;
+          reached_.push_back(vertex);
+        } else {
+          out_.next[h ^ 1U] = around.last;
+        }
+        around.last = h;
       }
-      first = last;
+    }
+    for (const Index vertex : reached_) {
+      Around& around = around_[vertex];
+      out_.next[around.first ^ 1U] = around.last;
+      around = {none, none};
     }
   }
 
@@ -195,13 +203,13 @@ class Arranger {
         // Total turning in steps of half a turn / n: + 2 n round a face, - 2 n round a hole. Turning back at a free end
         // is to the right.
         std::int64_t turning = 0;
-        Index h = start;
+        Index h = start, along = out_.direction_of(h, graph_.uses[use].slot, half);
         do {
           loop_of_[h] = number;
-          const Index g = out_.next[h];
-          const Index step = (out_.direction[g] + 2 * half - out_.direction[h]) % (2 * half);
-          turning += step < half ? std::int64_t{step} : std::int64_t{step} - 2 * std::int64_t{half};
-          h = g;
+          h = out_.next[h];
+          const Index before = along;
+          along = out_.direction_of(h, graph_.uses[h / 2].slot, half);
+          turning += turn_between(before, along, half);
         } while (h != start);
         CLEAVE_ASSERT(turning == 2 * std::int64_t{half} || turning == -2 * std::int64_t{half});
         loops_.push_back({start, turning > 0});
@@ -279,6 +287,12 @@ class Arranger {
   Signs signs_;
   Arrangement& out_;  ///< of which half-edges and planes are filled in
   std::vector<Index>& loop_of_;
+  /// Of a vertex: the first and the last of the plane's half-edges that start there, of those looked at.
+  struct Around {
+    Index first, last;
+  };
+  std::vector<Around> around_;   ///< none but of the vertices `reached_`
+  std::vector<Index> reached_;
   std::vector<Loop> loops_;
   std::vector<PlaneFace> faces_;
   std::vector<Index> face_loops_, covers_;
@@ -310,7 +324,7 @@ Arrangement arrange(const Prepared& prepared, const Traces& traces, const Graph&
   Arrangement out;
   out.next.assign(half_edges, none);
   out.start.assign(half_edges, none);
-  out.direction.assign(half_edges, 0);
+  out.rank.assign(graph.slots.size(), 0);
   out.face.assign(half_edges, none);
   out.half_turn.assign(prepared.facet_planes, 0);
   HalfEdges shared{out, std::vector<Index>(half_edges, none)};
@@ -349,12 +363,6 @@ Arrangement arrange(const Prepared& prepared, const Traces& traces, const Graph&
   });
   out.loops = joined(parts, &Part::loops, threads, [](Index&, std::size_t) {});
   out.covers = joined(parts, &Part::covers, threads, [](Index&, std::size_t) {});
-  if (std::ranges::max(out.half_turn) < 1U << 15U) {
-    out.short_direction.resize(half_edges);
-    std::ranges::transform(out.direction, out.short_direction.begin(),
-                           [](Index rank) { return static_cast<std::uint16_t>(rank); });
-    let_go(out.direction);
-  }
   return out;
 }
 

@@ -96,7 +96,7 @@ double extent_of_domain(const CutInput& input) {
 class Joiner {
  public:
   Joiner(std::size_t shares, const BlockParts& parts, MadeBlocks& out)
-      : out_{out}, packer_{out.faces, parts.normals}, measures_(parts.present.size(), none), waiting_(shares) {}
+      : out_{out}, packer_{out.faces, parts.normals, parts.plane_faces()}, waiting_(shares) {}
 
   /// `blocks` are those of the share; their faces get their final numbers.
   void hand_in(std::size_t share, MadeBlocks made, std::span<Block> blocks) {
@@ -121,14 +121,13 @@ class Joiner {
     for (Block& block : blocks) {
       block.faces = {FaceId{block.faces.front().index() + faces}, static_cast<Index>(block.faces.size())};
     }
-    packer_.append(std::move(more.faces), corners, holes, more.measure_of, measures_);
+    packer_.append(std::move(more.faces), corners, holes);
     out_.corners.insert(out_.corners.end(), more.corners.begin(), more.corners.end());
     out_.hole_starts.insert(out_.hole_starts.end(), more.hole_starts.begin(), more.hole_starts.end());
   }
 
   MadeBlocks& out_;
   FacePacker packer_;
-  std::vector<Index> measures_;  ///< of each plane face
   Mutex mutex_;
   std::vector<std::optional<std::pair<MadeBlocks, std::span<Block>>>> waiting_;
   std::size_t next_ = 0;
@@ -151,12 +150,10 @@ std::vector<Block> make_blocks(BlockParts& parts, ThreadLimit threads, MadeBlock
   std::size_t corners = 0;
   for (const Index to : parts.links.to) corners += to != none ? 1 : 0;
   // All memory at once, as much as may be needed: what is not used is never touched.
-  const std::size_t measures = parts.half_faces.size() / 2 + parts.present.size() / 2;
-  FacePacker{out.faces, parts.normals}.reserve(parts.half_faces.size(), measures);
+  FacePacker{out.faces, parts.normals}.reserve(parts.half_faces.size());
   out.corners.reserve(corners);
   if (shares == 1) {
-    std::vector<Index> measure_of_face(parts.present.size(), none);
-    BlockMaker maker{parts, parts.links.to, out, &measure_of_face};
+    BlockMaker maker{parts, parts.links.to, out};
     for (std::size_t b = 0; b < blocks; ++b) made[b] = maker.make(static_cast<Index>(b));
     return made;
   }
@@ -166,13 +163,23 @@ std::vector<Block> make_blocks(BlockParts& parts, ThreadLimit threads, MadeBlock
     const std::size_t s = next++;  // in order, so that what is made can be put together soon
     MadeBlocks own;
     const std::size_t half_faces = parts.begin[share_begin[s + 1]] - parts.begin[share_begin[s]];
-    FacePacker{own.faces, parts.normals}.reserve(half_faces, half_faces);
+    FacePacker{own.faces, parts.normals}.reserve(half_faces);
     own.corners.reserve(corners / shares);
-    BlockMaker maker{parts, parts.links.to, own, nullptr};
+    BlockMaker maker{parts, parts.links.to, own};
     for (std::size_t b = share_begin[s]; b < share_begin[s + 1]; ++b) made[b] = maker.make(static_cast<Index>(b));
     joiner.hand_in(s, std::move(own), std::span{made}.subspan(share_begin[s], share_begin[s + 1] - share_begin[s]));
   });
   return made;
+}
+
+/// The measures of plane faces become those of the faces that blocks have of them, in the same place.
+void put_measures(BlockParts& parts, PackedFaces& faces, ThreadLimit threads) {
+  in_pieces(parts.measures.size(), 16384, threads, [&](std::size_t first, std::size_t last) {
+    for (auto f = static_cast<Index>(first); f < last; ++f) {
+      if (parts.present[f] != 0) parts.measures[f] = parts.in_metres(f);
+    }
+  });
+  FacePacker{faces, parts.normals, parts.plane_faces()}.put_measures(std::move(parts.measures));
 }
 
 /// Vertices that are corners, in the order of the graph; others get numbers when they are asked for.
@@ -324,21 +331,22 @@ void finish_report(const BlockParts& parts, BlockComplex::Data& out) {
 
 BlockComplex::Packed assemble(const CutInput& input, const Prepared& prepared, const Graph& graph,
                               const Arrangement& arrangement, Cells cells, const std::vector<Vec>& positions,
-                              const std::vector<FaceMeasure>& measures, ThreadLimit threads,
+                              std::vector<FaceMeasure> measures, ThreadLimit threads,
                               const std::vector<std::uint8_t>* excavated, Graph* no_more_needed) {
   const auto& origin = prepared.lattice.origin();
   BlockParts parts{.prepared = prepared,
                    .graph = graph,
                    .arrangement = arrangement,
                    .positions = positions,
-                   .measures = measures,
+                   .measures = std::move(measures),
                    .input = input,
                    .excavated = excavated,
                    .normals = {},
                    .block_of = {},
                    .present = {},
                    .links = {},
-                   .line_of = {},
+                   .slot_of = {},
+                   .line_of_slot = {},
                    .begin = {},
                    .half_faces = {},
                    .sheets = {},
@@ -358,9 +366,12 @@ BlockComplex::Packed assemble(const CutInput& input, const Prepared& prepared, c
   out.report.excavated = excavated_volumes(parts, cells);
   number_blocks(cells, parts, threads);
   link_present(cells, parts, threads);
-  parts.line_of.resize(graph.uses.size());
-  for (const Edge& edge : graph.edges) {
-    std::ranges::fill(std::span{parts.line_of}.subspan(edge.first_use, edge.use_count), edge.line);
+  parts.slot_of.reserve(graph.uses.size());
+  for (const Use& use : graph.uses) parts.slot_of.push_back(use.slot);
+  parts.line_of_slot.resize(graph.slots.size());
+  for (Index line = 0; line < graph.lines.size(); ++line) {
+    const auto [p, q, approx, first, count] = graph.lines[line];
+    std::ranges::fill(std::span{parts.line_of_slot}.subspan(first, count), line);
   }
   if (no_more_needed != nullptr && !prepared.keep_dangling) {
     let_go(no_more_needed->edges);
@@ -371,6 +382,9 @@ BlockComplex::Packed assemble(const CutInput& input, const Prepared& prepared, c
   find_sheets(parts);
   MadeBlocks made;
   out.blocks = IdVector<BlockId, Block>{make_blocks(parts, threads, made)};
+  let_go(parts.links.to);
+  let_go(parts.half_faces);
+  put_measures(parts, made.faces, threads);
   VertexNumbers vertices{parts, out};
   vertices.number(std::move(made.corners), threads);
   packed.faces = std::move(made.faces);

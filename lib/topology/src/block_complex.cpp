@@ -30,7 +30,7 @@ BlockComplex::BlockComplex(Data data) {
     normals.push_back({n[0], n[1], n[2]});
   }
   detail::FacePacker packer{kept_.faces, normals};
-  packer.reserve(data.faces.size(), 0);
+  packer.reserve(data.faces.size());
   for (const Face& face : data.faces) {
     const std::span<const Patch> own = data.patches_of(face);
     std::uint32_t twin = detail::FacePacker::none;

@@ -112,16 +112,13 @@ Block BlockMaker::make(Index block) {
 /// A face that is one plane face has its measures in common with the face on the other side.
 void BlockMaker::pack_faces() {
   for (Index face = 0; face < faces_.size(); ++face) {
-    const bool alone = face_begin_[face + std::size_t{1}] - face_begin_[face] == 1;
-    const Index plane_face = alone ? members_[face_begin_[face]] / 2 : none;
+    const Index first = face_begin_[face];
     const Face& made = faces_[face];
     const std::span own = std::span{patches_}.subspan(made.first_patch, made.patch_count);
-    if (measures_ != nullptr) {
-      Index of_none = none;
-      packer_.add(made, own, alone ? (*measures_)[plane_face] : of_none);
+    if (face_begin_[face + std::size_t{1}] - first == 1) {
+      packer_.add_plane_face(made, own, members_[first] / 2);
     } else {
       packer_.add(made, own);
-      out_.measure_of.resize(packer_.measures(), plane_face);
     }
   }
 }
@@ -286,7 +283,7 @@ void BlockMaker::count_vertices() {
   corners_.clear();
   seen_.assign(sides_.size(), 0);
   if (!parts_.sheets.empty()) count_left();
-  const auto line_of = [&](Index side) { return parts_.line_of[sides_[side].flank / 4]; };
+  const auto line_of = [&](Index side) { return parts_.line_of_slot[parts_.slot_of[sides_[side].flank / 4]]; };
   for (Index side = 0; side < sides_.size(); ++side) {
     if (seen_[side] != 0) continue;
     Index size = 0, at = side;
@@ -362,30 +359,51 @@ void BlockMaker::add_face(Index face, Index block) {
             .area = {},
             .centroid = {}};
   made.first_patch = static_cast<Index>(patches_.size());
-  // Areas and moments about the start of the first half-face; in units first.
-  const auto apex_of = [&](Index half_face) {
-    const PlaneFace& f = parts_.arrangement.faces[half_face / 2];
-    return parts_.position(parts_.arrangement.start[parts_.arrangement.loops[f.first_loop]]);
-  };
-  const Vec3 apex = apex_of(first);
-  const auto centre = [&](Vec3 moment, double area) {
-    return area > 0 ? parts_.origin + parts_.scale * (apex + moment / area) : parts_.origin;
-  };
+  if (members.size() == 1) {
+    measure_alone(made, first, nature);
+  } else {
+    measure_together(made, members, nature);
+  }
+  made.patch_count = static_cast<Index>(patches_.size()) - made.first_patch;
+  add_loops(face, made);
+  faces_.push_back(made);
+}
+
+std::optional<BlockId> BlockMaker::neighbour(Index half_face, Role role) const {
+  const Index beyond = parts_.block_of[half_face ^ 1U];
+  return role == Role::joint && beyond != none ? std::optional{BlockId{beyond}} : std::nullopt;
+}
+
+/// Of a face that is one plane face, with its patch.
+void BlockMaker::measure_alone(Face& made, Index half_face, const Nature& nature) {
+  const FaceMeasure& m = parts_.measures[half_face / 2];
+  const FaceMeasure metres = parts_.in_metres(half_face / 2);
+  made.area = square_metres(metres.area);
+  made.centroid = metres.centroid;
+  // A sliver may seem to turn the other way in doubles.
+  const Vec3 own = m.area > 0 ? made.centroid
+                              : parts_.centre(parts_.apex(half_face / 2), Vec3{} + moment3(m) / 3, std::abs(m.area));
+  patches_.push_back({made.joint, neighbour(half_face, nature.role), made.area, own});
+}
+
+/// Areas and moments about the start of the first half-face; in units first.
+void BlockMaker::measure_together(Face& made, std::span<const Index> members, const Nature& nature) {
+  const Index first = members.front();
+  const Vec3 apex = parts_.apex(first / 2);
   double area = 0;
   Vec3 moment{};
   for (const Index h : members) {
     const FaceMeasure& m = parts_.measures[h / 2];
-    const Vec3 own = h == first ? m.moment3 / 3 : m.moment3 / 3 + m.area * (apex_of(h) - apex);
+    const Vec3 own = h == first ? moment3(m) / 3 : moment3(m) / 3 + m.area * (parts_.apex(h / 2) - apex);
     area += m.area;
     moment += own;
-    const Index beyond = parts_.block_of[h ^ 1U];
-    const auto neighbour = nature.role == Role::joint && beyond != none ? std::optional{BlockId{beyond}} : std::nullopt;
+    const auto beside = neighbour(h, nature.role);
     const Index joint_number = h == first ? nature.joint : parts_.nature(h).joint;
     const auto joint = joint_number == none ? std::nullopt : std::optional{JointId{joint_number}};
     auto patch = std::ranges::find_if(patches_.begin() + made.first_patch, patches_.end(),
-                                      [&](const Patch& p) { return p.neighbour == neighbour && p.joint == joint; });
+                                      [&](const Patch& p) { return p.neighbour == beside && p.joint == joint; });
     if (patch == patches_.end()) {
-      patches_.push_back({joint, neighbour, {}, {}});
+      patches_.push_back({joint, beside, {}, {}});
       patch = patches_.end() - 1;
     }
     patch->area += square_metres(std::abs(m.area));  // slivers may seem to turn the other way in doubles
@@ -393,14 +411,11 @@ void BlockMaker::add_face(Index face, Index block) {
   }
   const double square = parts_.scale * parts_.scale;
   for (Patch& patch : std::span{patches_}.subspan(made.first_patch)) {
-    patch.centroid = centre(patch.centroid, patch.area.si());
+    patch.centroid = parts_.centre(apex, patch.centroid, patch.area.si());
     patch.area = square * patch.area;
   }
-  made.patch_count = static_cast<Index>(patches_.size()) - made.first_patch;
   made.area = square_metres(square * std::abs(area));
-  made.centroid = centre(moment, area);
-  add_loops(face, made);
-  faces_.push_back(made);
+  made.centroid = parts_.centre(apex, moment, area);
 }
 
 /// The outer loop first: it turns once round to the left.
@@ -429,15 +444,15 @@ void BlockMaker::add_loops(Index face, Face& made) {
 /// Seen from outside the block.
 bool BlockMaker::turns_left(const Loop& loop, Index plane) const {
   const Index half = parts_.arrangement.half_turn[plane];
+  const auto direction = [&](Index flank) {
+    return parts_.arrangement.direction_of(flank / 2, parts_.slot_of[flank / 4], half);
+  };
   std::int64_t turning = 0;
   for (Index k = loop.first; k < loop.first + loop.count; ++k) {
     const Index flank = sides_[k].flank;
-    const Index from = parts_.arrangement.direction_of(flank / 2);
-    const Index to = parts_.arrangement.direction_of(sides_[sides_[k].next].flank / 2);
     // Directions grow counter-clockwise seen from the positive side; a block there is looked at from the other side and
     // its faces are walked backwards, which changes the sense of each turn.
-    const Index step = (to + 2 * half - from) % (2 * half);
-    const std::int64_t left = step < half ? std::int64_t{step} : std::int64_t{step} - 2 * std::int64_t{half};
+    const std::int64_t left = turn_between(direction(flank), direction(sides_[sides_[k].next].flank), half);
     turning += flank % 2 == 1 ? left : -left;
   }
   return turning > 0;

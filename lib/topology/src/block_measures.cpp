@@ -34,7 +34,7 @@ void BlockMaker::measure(Block& block) {
       volume += part;
       size += std::abs(m.area);
       highest = std::max(highest, std::abs(height));
-      moment += (height / 4) * (m.area * from + m.moment3 / 3);
+      moment += (height / 4) * (m.area * from + moment3(m) / 3);
       shell_volumes_[shell_[face]] += part;
     }
   }

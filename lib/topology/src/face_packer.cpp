@@ -15,10 +15,7 @@ bool same(Vec3 a, Vec3 b) { return same(a.x, b.x) && same(a.y, b.y) && same(a.z,
 
 }  // namespace
 
-void FacePacker::reserve(std::size_t faces, std::size_t measures) {
-  out_.records_.reserve(faces);
-  out_.measures_.reserve(measures);
-}
+void FacePacker::reserve(std::size_t faces) { out_.records_.reserve(faces); }
 
 /// Whether all that is not kept follows from what is.
 bool FacePacker::follows(const Face& face, std::span<const Patch> patches) const {
@@ -35,16 +32,22 @@ bool FacePacker::follows(const Face& face, std::span<const Patch> patches) const
                    same(patches[0].area.si(), face.area.si()) && same(patches[0].centroid, face.centroid));
 }
 
-std::uint32_t FacePacker::place_of(const PackedFaces::Measure& measure, std::uint32_t twin) {
-  if (twin != none && same(out_.measures_[twin].area.si(), measure.area.si()) &&
+std::uint32_t FacePacker::place_of(const FaceMeasure& measure, std::uint32_t twin) {
+  if (twin != none && same(out_.measures_[twin].area, measure.area) &&
       same(out_.measures_[twin].centroid, measure.centroid)) {
     return twin;
   }
   out_.measures_.push_back(measure);
-  return static_cast<std::uint32_t>(out_.measures_.size() - 1);
+  return plane_faces_ + static_cast<std::uint32_t>(out_.measures_.size() - 1);
 }
 
 void FacePacker::add(const Face& face, std::span<const Patch> patches, std::uint32_t& twin) {
+  if (const auto record = add_record(face, patches)) {
+    out_.records_[*record].measure = twin = place_of({face.area.si(), face.centroid}, twin);
+  }
+}
+
+std::optional<std::size_t> FacePacker::add_record(const Face& face, std::span<const Patch> patches) {
   const auto kept = [&] {
     const PackedFaces::List list{static_cast<std::uint32_t>(out_.patches_.size()),
                                  static_cast<std::uint32_t>(patches.size())};
@@ -62,11 +65,10 @@ void FacePacker::add(const Face& face, std::span<const Patch> patches, std::uint
     out_.whole_.back().first_patch = first;
     out_.whole_.back().patch_count = count;
     out_.records_.push_back(record);
-    return;
+    return std::nullopt;
   }
   record.plane = face.plane.value() << PackedFaces::plane_shift | static_cast<std::uint32_t>(face.role) << 1U |
                  (face.block_on_positive_side ? 1U : 0U);
-  record.measure = twin = place_of({face.area, face.centroid}, twin);
   if (face.role == Role::joint) {
     record.cause = face.joint->value();
     const bool alone = patches.size() == 1 && patches[0].joint == face.joint && patches[0].neighbour &&
@@ -83,27 +85,21 @@ void FacePacker::add(const Face& face, std::span<const Patch> patches, std::uint
     record.beyond = face.tag.value_or(PackedFaces::nothing);
   }
   out_.records_.push_back(record);
+  return out_.records_.size() - 1;
 }
 
-void FacePacker::append(PackedFaces more, std::uint32_t corners, std::uint32_t holes,
-                        std::span<const std::uint32_t> keys, std::vector<std::uint32_t>& twins) {
+void FacePacker::append(PackedFaces more, std::uint32_t corners, std::uint32_t holes) {
   const auto patches = static_cast<std::uint32_t>(out_.patches_.size()),
              lists = static_cast<std::uint32_t>(out_.lists_.size()),
-             whole = static_cast<std::uint32_t>(out_.whole_.size());
-  std::vector<std::uint32_t> place(more.measures_.size());
-  for (std::size_t m = 0; m < place.size(); ++m) {
-    if (keys[m] == none) {
-      place[m] = place_of(more.measures_[m], none);
-    } else {
-      place[m] = twins[keys[m]] = place_of(more.measures_[m], twins[keys[m]]);
-    }
-  }
+             whole = static_cast<std::uint32_t>(out_.whole_.size()),
+             measures = static_cast<std::uint32_t>(out_.measures_.size());
+  out_.measures_.insert(out_.measures_.end(), more.measures_.begin(), more.measures_.end());
   for (PackedFaces::Record record : more.records_) {
     record.first_corner += corners;
     if ((record.plane & PackedFaces::whole) != 0) {
       record.measure += whole;
     } else {
-      record.measure = place[record.measure];
+      if (record.measure >= plane_faces_) record.measure += measures;
       const auto role = static_cast<Role>(record.plane >> 1U & 3U);
       if (role == Role::joint && (record.beyond & PackedFaces::several) != 0) record.beyond += lists;
     }
@@ -129,10 +125,38 @@ std::uint32_t FacePacker::twin_of(const Face& face, std::span<const Patch> patch
     if ((record.plane & PackedFaces::whole) != 0 || record.plane >> PackedFaces::plane_shift != face.plane.value()) {
       continue;
     }
-    const PackedFaces::Measure& measure = out_.measures_[record.measure];
-    if (same(measure.area.si(), face.area.si()) && same(measure.centroid, face.centroid)) return record.measure;
+    const FaceMeasure& measure = out_.measures_[record.measure];
+    if (same(measure.area, face.area.si()) && same(measure.centroid, face.centroid)) return record.measure;
   }
   return none;
+}
+
+void FacePacker::put_measures(std::vector<FaceMeasure> of_plane_faces) {
+  std::vector<std::uint32_t> number(plane_faces_, none);
+  const auto for_each_packed = [&](const auto& visit) {
+    for (PackedFaces::Record& record : out_.records_) {
+      if ((record.plane & PackedFaces::whole) == 0) visit(record.measure);
+    }
+  };
+  for_each_packed([&](std::uint32_t measure) {
+    if (measure < plane_faces_) number[measure] = 0;
+  });
+  std::uint32_t count = 0;
+  for (std::uint32_t f = 0; f < plane_faces_; ++f) {
+    if (number[f] == none) continue;
+    of_plane_faces[count] = of_plane_faces[f];
+    number[f] = count++;
+  }
+  of_plane_faces.resize(count);
+  of_plane_faces.reserve(count + out_.measures_.size());
+  of_plane_faces.insert(of_plane_faces.end(), out_.measures_.begin(), out_.measures_.end());
+  out_.measures_ = std::move(of_plane_faces);
+  if (count < plane_faces_) {
+    for_each_packed([&](std::uint32_t& measure) {
+      measure = measure < plane_faces_ ? number[measure] : measure - plane_faces_ + count;
+    });
+  }
+  if (out_.measures_.size() < out_.measures_.capacity() / 2) out_.measures_.shrink_to_fit();
 }
 
 void FacePacker::finish(PackedFaces& out, std::vector<Vec3> normals) {

@@ -35,7 +35,7 @@ std::vector<FaceMeasure> measure_faces(const Prepared& prepared, const Arrangeme
           const Vec3 b = point(h) - apex;
           const double area = 0.5 * geometry::dot(geometry::cross(a, b), normal);
           measure.area += area;
-          measure.moment3 += area * (a + b);
+          measure.centroid += area * (a + b);
           a = b;
         } while (h != start);
       }

@@ -72,9 +72,8 @@ class Nesting {
       const Sign behind = signs_.side(start.approx, start.planes[0], start.planes[1], start.planes[2], across) * sense;
       if (behind != Sign::negative) continue;  // met behind the start
       // Of the edge's two half-edges the one that crosses the ray from right to left has the ray's start on its left.
-      const Index ray_direction = arrangement_.direction[from];
       Index near = 2 * u;
-      Index turn = (arrangement_.direction[near] + 2 * half_ - ray_direction) % (2 * half_);
+      Index turn = (direction_of(near) + 2 * half_ - direction_of(from)) % (2 * half_);
       if (turn > half_) {
         near = 2 * u + 1;
         turn -= half_;
@@ -94,6 +93,9 @@ class Nesting {
   }
 
  private:
+  [[nodiscard]] Index direction_of(Index half_edge) const {
+    return arrangement_.direction_of(half_edge, graph_.uses[half_edge / 2].slot, half_);
+  }
   bool positive(Index vertex, Index plane) {
     const Vertex& v = graph_.vertices[vertex];
     return signs_.side(v.approx, v.planes[0], v.planes[1], v.planes[2], plane) != Sign::negative;

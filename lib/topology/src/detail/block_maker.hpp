@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,14 +25,15 @@ struct BlockParts {
   const Graph& graph;
   const Arrangement& arrangement;
   const std::vector<Vec>& positions;
-  const std::vector<FaceMeasure>& measures;
+  std::vector<FaceMeasure> measures;
   const CutInput& input;
   const std::vector<std::uint8_t>* excavated;  ///< of each excavation: whether it is out; null: all are
   std::vector<geometry::Vec3> normals;         ///< unit normal of each facet plane
   std::vector<Index> block_of;                 ///< of each half-face; none where there is no rock
   std::vector<std::uint8_t> present;           ///< of each face: it has different blocks on its sides
   Links links;                                 ///< between the present faces; makers use up what is of their blocks
-  std::vector<Index> line_of;                  ///< of each use: its line
+  std::vector<Index> slot_of;                  ///< of each use: its slot
+  std::vector<Index> line_of_slot;             ///< of each slot: its line
   std::vector<Index> begin, half_faces;        ///< half-faces of each block in order (CSR)
   std::vector<Index> sheets;                   ///< of each face: Facet::sheet; empty where no polygon is folded
   std::vector<Index> before;                   ///< with sheets: of each half-edge, the one before it in its loop
@@ -55,6 +58,20 @@ struct BlockParts {
     const Vec& p = positions[vertex];
     return {p[0], p[1], p[2]};
   }
+  /// Where the first loop of a plane face starts.
+  [[nodiscard]] geometry::Vec3 apex(Index face) const {
+    return position(arrangement.start[arrangement.loops[arrangement.faces[face].first_loop]]);
+  }
+  [[nodiscard]] Index plane_faces() const { return static_cast<Index>(arrangement.faces.size()); }
+  /// The centroid of an area (m, absolute), from its moment about an apex; all in units.
+  [[nodiscard]] geometry::Vec3 centre(geometry::Vec3 apex, geometry::Vec3 moment, double area) const {
+    return area > 0 ? origin + scale * (apex + moment / area) : origin;
+  }
+  /// Of one plane face.
+  [[nodiscard]] FaceMeasure in_metres(Index face) const {
+    const FaceMeasure& m = measures[face];
+    return {scale * scale * std::abs(m.area), centre(apex(face), geometry::Vec3{} + moment3(m) / 3, m.area)};
+  }
 };
 
 /// Faces of neighbouring blocks; corners are vertices of the graph still.
@@ -62,17 +79,14 @@ struct MadeBlocks {
   PackedFaces faces;
   std::vector<VertexId> corners;
   std::vector<Index> hole_starts;
-  std::vector<Index> measure_of;  ///< of each measure of `faces`: the plane face that has it, or none
 };
 
 /// Makes blocks one by one and adds their faces to a MadeBlocks.
 class BlockMaker final {
  public:
   /// `links` are those of the parts, and shared by all makers: each writes only to the flanks of its own blocks.
-  /// `measures`, of each plane face where its measures are in `out`: for one maker of all blocks. Without it, `out`
-  /// says what they are of, for those who put it together.
-  BlockMaker(const BlockParts& parts, std::vector<Index>& links, MadeBlocks& out, std::vector<Index>* measures)
-      : parts_{parts}, links_{links}, out_{out}, packer_{out.faces, parts.normals}, measures_{measures} {}
+  BlockMaker(const BlockParts& parts, std::vector<Index>& links, MadeBlocks& out)
+      : parts_{parts}, links_{links}, out_{out}, packer_{out.faces, parts.normals, parts.plane_faces()} {}
 
   [[nodiscard]] Block make(Index block);
 
@@ -103,6 +117,10 @@ class BlockMaker final {
   void count_vertices();
   void find_shells();
   void add_face(Index face, Index block);
+  void measure_alone(Face& made, Index half_face, const Nature& nature);
+  void measure_together(Face& made, std::span<const Index> members, const Nature& nature);
+  /// The block beyond a half-face of a joint.
+  [[nodiscard]] std::optional<BlockId> neighbour(Index half_face, Role role) const;
   void add_loops(Index face, Face& made);
   void pack_faces();
   [[nodiscard]] bool turns_left(const Loop& loop, Index plane) const;
@@ -120,7 +138,6 @@ class BlockMaker final {
   std::vector<Index>& links_;  ///< of flanks that are walked already with the mark `walked`, of paired ones their sides
   MadeBlocks& out_;
   FacePacker packer_;
-  std::vector<Index>* measures_;
 
   std::vector<Face> faces_;        ///< of the block
   std::vector<Patch> patches_;     ///< of those

@@ -105,30 +105,37 @@ struct PlaneFace {
   Index first_cover, cover_count;  ///< facets that cover it, into Arrangement::covers
 };
 
+/// Of directions in a plane, which are ranks 0 .. 2 n - 1: how far one turns to the left (or, below 0, to the right)
+/// from the one to the other, in steps. Turning back is to the right.
+[[nodiscard]] constexpr std::int64_t turn_between(Index from, Index to, Index half_turn) noexcept {
+  const Index step = to >= from ? to - from : to + 2 * half_turn - from;
+  return step < half_turn ? std::int64_t{step} : std::int64_t{step} - 2 * std::int64_t{half_turn};
+}
+[[nodiscard]] constexpr Index opposite(Index direction, Index half_turn) noexcept {
+  return direction < half_turn ? direction + half_turn : direction - half_turn;
+}
+
 struct Arrangement {
-  std::vector<Index> next;                     ///< of each half-edge: the next one of its loop
-  std::vector<Index> start;                    ///< of each half-edge: the vertex it starts from
-  std::vector<Index> direction;                ///< of each half-edge: rank of its direction in its plane, 0 .. 2 n - 1
-  std::vector<std::uint16_t> short_direction;  ///< in place of these, when all are small enough
-  std::vector<Index> half_turn;                ///< n of each facet plane
-  std::vector<Index> face;                     ///< of each half-edge: the face on its left, `none` where no facet is
+  std::vector<Index> next;       ///< of each half-edge: the next one of its loop
+  std::vector<Index> start;      ///< of each half-edge: the vertex it starts from
+  std::vector<Index> rank;       ///< of each slot: rank of the direction of its line in its plane, 0 .. 2 n - 1
+  std::vector<Index> half_turn;  ///< n of each facet plane
+  std::vector<Index> face;       ///< of each half-edge: the face on its left, `none` where no facet is
   std::vector<PlaneFace> faces;
   std::vector<Index> loops;  ///< a half-edge of each loop
   std::vector<Index> covers;
 
-  [[nodiscard]] Index direction_of(Index half_edge) const {
-    return short_direction.empty() ? direction[half_edge] : short_direction[half_edge];
+  /// Rank of the direction of a half-edge in its plane, from the slot of its use and the half turn of the plane.
+  [[nodiscard]] Index direction_of(Index half_edge, Index slot, Index half) const {
+    return half_edge % 2 == 0 ? rank[slot] : opposite(rank[slot], half);
   }
 };
 [[nodiscard]] Arrangement arrange(const Prepared& prepared, const Traces& traces, const Graph& graph,
                                   const std::vector<Vec>& positions, Signs& signs, ThreadLimit threads);
 
-/// Measures of one plane face: area (units^2), and three times the first moment of area about the start of its first
-/// loop (units^3); a unit is 2^48 sites.
-struct FaceMeasure {
-  double area;
-  geometry::Vec3 moment3;
-};
+/// Until blocks are made, a measure of a plane face is its area (units^2) and, in the place of the centroid, three times
+/// the first moment of area about the start of its first loop (units^3); a unit is 2^48 sites.
+[[nodiscard]] inline const geometry::Vec3& moment3(const FaceMeasure& measure) noexcept { return measure.centroid; }
 [[nodiscard]] std::vector<FaceMeasure> measure_faces(const Prepared& prepared, const Arrangement& arrangement,
                                                      const std::vector<Vec>& positions, ThreadLimit threads);
 

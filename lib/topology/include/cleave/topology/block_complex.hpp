@@ -142,7 +142,14 @@ struct Face {
 
 namespace detail {
 class FacePacker;
-}
+
+/// Area (m^2) and centroid (m, absolute) of a face. The cutter has other measures of plane faces in the same place
+/// first (phases.hpp).
+struct FaceMeasure {
+  double area;
+  geometry::Vec3 centroid;
+};
+}  // namespace detail
 
 /// All faces with their patches, in a fifth of the room: the normal is that of the plane, corners go on where those of
 /// the face before end, both sides of a contact share area and centroid, and one patch alone is its face again. A face
@@ -176,7 +183,7 @@ class PackedFaces final {
     CLEAVE_ASSERT(id.index() < records_.size());
     const Record& r = records_[id.index()];
     if ((r.plane & whole) != 0) return whole_[r.measure];
-    const Measure& m = measures_[r.measure];
+    const detail::FaceMeasure& m = measures_[r.measure];
     const auto [first, last] = corners(id);
     const auto role = static_cast<Role>(r.plane >> 1U & 3U);
     const bool positive = (r.plane & 1U) != 0, joint = role == Role::joint;
@@ -190,7 +197,7 @@ class PackedFaces final {
               .excavation = joint || r.cause == nothing ? std::nullopt : std::optional{r.cause},
               .tag = joint || r.beyond == nothing ? std::nullopt : std::optional{r.beyond},
               .outward = positive ? -normal : normal,
-              .area = m.area,
+              .area = square_metres(m.area),
               .centroid = m.centroid,
               .first_corner = first,
               .corner_count = last - first};
@@ -234,7 +241,7 @@ class PackedFaces final {
       all_of(whole_[r.measure].first_patch, whole_[r.measure].patch_count);
     } else if (static_cast<Role>(r.plane >> 1U & 3U) == Role::joint) {
       if ((r.beyond & several) == 0) {
-        visit(BlockId{r.beyond}, measures_[r.measure].area);
+        visit(BlockId{r.beyond}, square_metres(measures_[r.measure].area));
       } else {
         all_of(lists_[r.beyond & ~several].first, lists_[r.beyond & ~several].count);
       }
@@ -288,16 +295,12 @@ class PackedFaces final {
     std::uint32_t measure;       ///< into `measures_`; into `whole_`
     std::uint32_t first_corner;  ///< they end where those of the next face begin
   };
-  struct Measure {
-    Area area;
-    geometry::Vec3 centroid;
-  };
   struct List {
     std::uint32_t first, count;
   };
 
   std::vector<Record> records_;
-  std::vector<Measure> measures_;
+  std::vector<detail::FaceMeasure> measures_;
   std::vector<geometry::Vec3> normals_;  ///< of the planes
   std::vector<Face> whole_;
   std::vector<List> lists_;
