@@ -111,6 +111,16 @@ void add_anchor_note(const stability::SupportResult& support, std::vector<std::s
       count, count == 1 ? "block" : "blocks", support.held_by_border.front().value(), count > 1 ? ", ..." : ""));
 }
 
+/// Bolts that are not in the rock at all.
+void add_off_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
+  const auto off =
+      std::ranges::count_if(support.bolts, [](const auto& b) { return b.status == stability::BoltStatus::off; });
+  if (off == 0) return;
+  notes.push_back(
+      fmt::format("{} of {} bolts {} off the rock, their heads where nothing is left: they hold nothing; see bolts.csv",
+                  off, support.bolts.size(), off == 1 ? "is" : "are"));
+}
+
 /// Key blocks of a stage that later stages take away, or that nothing in the last state tells of.
 void add_stage_note(const SequenceResult& sequence, const stability::Analysis& analysis,
                     std::vector<std::string>& notes) {
@@ -180,6 +190,8 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
     if (more) add_border_note(*load.domain_held, fmt::format("load case {}: ", load.name), notes);
   }
   if (made.support) add_anchor_note(*made.support, notes);
+  // Beyond what was cut on demand rock is not known.
+  if (made.support && !made.window) add_off_note(*made.support, notes);
   if (made.support && scene.stability->groups == stability::GroupsCheck::off) {
     notes.emplace_back(
         "support: with groups = \"off\" it was not asked whether it holds blocks that move together, nor whether a "
