@@ -138,6 +138,20 @@ void add_stage_note(const SequenceResult& sequence, const stability::Analysis& a
                               most, most == 1 ? "block" : "blocks", at_the_end));
 }
 
+/// Blocks that a joint holds which closes on them by next to nothing.
+void add_taper_note(const std::vector<stability::Barred>& tapered, std::vector<std::string>& notes) {
+  if (tapered.empty()) return;
+  const auto least = std::ranges::min_element(tapered, {}, &stability::Barred::factor_of_safety);
+  double volume = 0;
+  for (const stability::Barred& row : tapered) volume += row.volume.si();
+  const bool one = tapered.size() == 1;
+  notes.push_back(fmt::format(
+      "{} ({:.4g} m3) at free faces {} only because joints close on {} by less than {:g} mm a metre: were those "
+      "parallel, the least factor of safety would be {:.3g} (block {}); count on no such taper",
+      one ? "1 block" : fmt::format("{} blocks", tapered.size()), volume, one ? "stays" : "stay", one ? "it" : "them",
+      1e3 * stability::slight_taper, least->factor_of_safety, least->block.value()));
+}
+
 }  // namespace
 
 void add_barred_note(const std::vector<stability::Barred>& barred, bool too_many, std::vector<std::string>& notes) {
@@ -184,6 +198,7 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   if (analysis) add_rotation_note(*analysis, notes);
   add_enclosed_notes(made.held_from_within, notes);
   add_barred_note(made.barred, made.key_groups && made.key_groups->too_many, notes);
+  add_taper_note(made.tapered, notes);
   if (made.domain_held) add_border_note(*made.domain_held, "", notes);
   for (const CaseResult& load : made.load_cases) {
     const bool more = load.domain_held && (!made.domain_held || load.domain_held->blocks != made.domain_held->blocks);
