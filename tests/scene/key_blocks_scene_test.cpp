@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <numbers>
 #include <string>
 #include <tuple>
 
@@ -334,6 +335,76 @@ TEST(KeyBlocksScene, ColumnsThatToppleAreToldAndCountOnlyWhenAsked) {
   EXPECT_TRUE(std::ranges::any_of(flagged.notes, [](const std::string& n) { return n.contains("topple"); }));
   EXPECT_EQ(result_of(column("rotation = \"decide\"\n")).analysis->batches.size(), 1U);
   EXPECT_FALSE(result_of(column("rotation = \"off\"\n")).analysis->judgements[0].rotation.has_value());
+}
+
+/// A cube of 2 m in the roof of a tunnel between discs, whose west side dips so much to the east: below 90 degrees it
+/// narrows downwards.
+std::string roof_cube(double west, std::string_view rest = "") {
+  return fmt::format(
+      "[domain]\nbox = {{ min = [0, 0, 0], max = [20, 20, 20] }}\n"
+      "[[joint]]\ndisc = {{ centre = [9, 10, 10], dip = {}, dip_direction = 90, radius = 3 }}\n"
+      "[[joint]]\ndisc = {{ centre = [11, 10, 10], dip = 90, dip_direction = 90, radius = 3 }}\n"
+      "[[joint]]\ndisc = {{ centre = [10, 9, 10], dip = 90, dip_direction = 0, radius = 3 }}\n"
+      "[[joint]]\ndisc = {{ centre = [10, 11, 10], dip = 90, dip_direction = 0, radius = 3 }}\n"
+      "[[joint]]\nplane = {{ through = [10, 10, 12], dip = 0, dip_direction = 0 }}\n"
+      "[joints.default]\nfriction = 30\ncohesion = 20e3\n[rock]\ndensity = 2700\n"
+      "[[excavation]]\nname = \"drift\"\nkind = \"tunnel\"\naxis = [[10, -1, 7], [10, 21, 7]]\n"
+      "section = {{ shape = \"rectangle\", width = 8, height = 6 }}\n{}",
+      west, rest);
+}
+std::size_t taper_notes(const RunResult& r) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(r.notes, [](const std::string& n) { return n.contains("less than 2 mm a metre"); }));
+}
+
+// Between vertical sides it falls; a side that leans inwards by a thousandth of a degree holds it in numbers, and for
+// ever. No such taper holds rock: it is said. A degree of lean holds it, and a side that leans outwards lets it fall.
+TEST(KeyBlocksScene, WhatOnlyASlightTaperHoldsIsSaid) {
+  const RunResult straight = result_of(roof_cube(90));
+  EXPECT_EQ(straight.analysis->batches.size(), 1U);
+  EXPECT_TRUE(straight.tapered.empty());
+  for (const double dip : {89.99, 89.9}) {
+    SCOPED_TRACE(dip);
+    const RunResult slight = result_of(roof_cube(dip));
+    EXPECT_TRUE(slight.analysis->batches.empty());
+    ASSERT_EQ(slight.tapered.size(), 1U);
+    EXPECT_NEAR(slight.tapered[0].volume.si(), 8, 0.02);
+    EXPECT_EQ(slight.tapered[0].factor_of_safety, 0);
+    EXPECT_EQ(taper_notes(slight), 1U);
+  }
+  const RunResult wedged = result_of(roof_cube(89));
+  EXPECT_TRUE(wedged.analysis->batches.empty());
+  EXPECT_TRUE(wedged.tapered.empty());
+  EXPECT_EQ(taper_notes(wedged), 0U);
+  const RunResult outwards = result_of(roof_cube(90.1));
+  EXPECT_EQ(outwards.analysis->batches.size(), 1U);
+  EXPECT_TRUE(outwards.tapered.empty());
+  // Cohesion of its sides, where it counts, would hold it between parallel ones as well.
+  EXPECT_TRUE(result_of(roof_cube(89.99, "[stability]\ncohesion_on_parallel_faces = true\n")).tapered.empty());
+}
+
+// Three vertical sides, each leaning inwards by a hundredth of a degree: no two are about parallel.
+TEST(KeyBlocksScene, AColumnOfThreeSidesThatNarrowsSlightlyIsSaid) {
+  const auto column = [](double dip) {
+    std::string text =
+        "[domain]\nbox = { min = [0, 0, 0], max = [20, 20, 20] }\n[[joint]]\n"
+        "plane = { through = [10, 10, 12], dip = 0, dip_direction = 0 }\n[joints.default]\nfriction = 30\n"
+        "[rock]\ndensity = 2700\n[[excavation]]\nname = \"drift\"\nkind = \"tunnel\"\n"
+        "axis = [[10, -1, 7], [10, 21, 7]]\nsection = { shape = \"rectangle\", width = 8, height = 6 }\n";
+    for (const double towards : {0.0, 120.0, 240.0}) {
+      // The middle of a side lies away from where it dips to: it leans over the block's foot.
+      const double a = towards * std::numbers::pi / 180;
+      text += fmt::format("[[joint]]\ndisc = {{ centre = [{}, {}, 10], dip = {}, dip_direction = {}, radius = 3 }}\n",
+                          10 - std::sin(a), 10 - std::cos(a), dip, towards);
+    }
+    return result_of(text);
+  };
+  EXPECT_EQ(column(90).analysis->batches.size(), 1U);
+  const RunResult slight = column(89.99);
+  EXPECT_TRUE(slight.analysis->batches.empty());
+  ASSERT_EQ(slight.tapered.size(), 1U);
+  EXPECT_EQ(slight.tapered[0].factor_of_safety, 0);
+  EXPECT_TRUE(column(89).tapered.empty());
 }
 
 // A block that stays only because of a block in its middle is no key block, and is never passed over in silence.

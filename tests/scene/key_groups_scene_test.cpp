@@ -290,6 +290,9 @@ TEST(KeyGroupsScene, BoltsIntoWhatOnlyTheBorderHoldsAreSaid) {
   const RunResult through = slabs("at = [[40, 15, 30]]\ndirection = [-1, 0, -0.6]\nlength = 40");
   EXPECT_TRUE(through.figures.support->passes);
   EXPECT_EQ(notes_with(through, "they count as rock that stays"), 0U);
+  EXPECT_EQ(notes_with(through, "off the rock"), 0U);
+  const RunResult astray = slabs("at = [[40, 15, 30], [45, 15, 30]]\ndirection = [-1, 0, -0.6]\nlength = 4");
+  EXPECT_EQ(notes_with(astray, "1 of 2 bolts is off the rock"), 1U);
 }
 
 // Neither block needs support alone. At 30 degrees the two stand together, but below the target for sliding.

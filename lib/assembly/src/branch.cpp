@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "inner_points.hpp"
 #include "settle.hpp"
 
 namespace cleave::assembly {
@@ -156,6 +157,31 @@ Branch::Found Branch::of(Solution solution) {
 
 Branch::Found Branch::by_sweeps(double divisor) { return of(settle(*elements_, divisor)); }
 
+Branch::Found Branch::by_inner_points(double divisor) const {
+  const bool bonds = has_bonds(*elements_);
+  std::vector<std::uint8_t> pressed(elements_->all().size(), 1);
+  Found nearest{.what = FromRest::unsettled, .state = newton_.none(), .residual = 1, .unsettled = {}};
+  for (const bool coupled : {true, false}) {
+    for (const double weight : {1e-9, 0.0}) {
+      const Near near = assembly::by_inner_points(*elements_, divisor, pressed, {coupled, weight});
+      for (const double rough : {1e-3, 1e-5, 1e-7}) {
+        Newton newton{*elements_};
+        State state = near.state;
+        Problem problem{.law = Law::coulomb, .divisor = divisor};
+        for (int round = 0; round < (bonds ? 3 : 1); ++round) {
+          if (bonds) problem.pressing = pressing(*elements_, state);
+          (void)newton.solve(problem, state, rough);
+        }
+        Found found = judged(divisor, std::move(state));
+        if (found.what == FromRest::moves) return found;
+        if (found.residual < nearest.residual) nearest = std::move(found);
+      }
+      if (bonds) pressed = pressing(*elements_, near.state);
+    }
+  }
+  return nearest;
+}
+
 /// Nothing moved: at rest where forces are there that hold.
 Branch::Found Branch::standing(double divisor) {
   State state = newton_.none();
@@ -177,6 +203,10 @@ Branch::Found Branch::at(double divisor, Effort effort) {
   }
   found = by_thresholds(divisor);
   if (found.what == FromRest::moves) return found;
+  if (effort == Effort::whole && elements_->bodies() <= few_bodies) {
+    Found near = by_inner_points(divisor);
+    if (near.what == FromRest::moves) return near;
+  }
   if (found.state.v.lpNorm<Eigen::Infinity>() <= slow) return standing(divisor);
   if (few && effort == Effort::whole) {
     Found swept = by_sweeps(divisor);

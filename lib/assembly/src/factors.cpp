@@ -172,11 +172,14 @@ Start started(const Assembly& assembly, const Elements& elements, Branch::Found 
 
 Start start_from_rest(const Assembly& assembly, double factor, Ended& ended) {
   const Elements elements{assembly};
-  // Contact by contact; where that finds no motion, few bodies are followed from no friction on as well.
+  // Contact by contact; where that finds no motion, few bodies are followed from no friction on as well, and looked at
+  // by interior points, which find motion that no path leads to.
   Branch branch{elements};
   Branch::Found found = branch.at(factor, Branch::Effort::sweeps);
   if (found.what != FromRest::moves && elements.bodies() <= few_bodies) {
-    if (auto other = followed(elements, factor); other && other->what == FromRest::moves) found = std::move(*other);
+    auto other = followed(elements, factor);
+    if (other && other->what != FromRest::moves) other = branch.by_inner_points(factor);
+    if (other && other->what == FromRest::moves) found = std::move(*other);
   }
   return started(assembly, elements, std::move(found), ended);
 }

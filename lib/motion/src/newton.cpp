@@ -51,6 +51,12 @@ Vector3d Scaled::relative(const Element& e, const VectorXd& v) const {
   return u;
 }
 
+Vector3d Scaled::change(const Element& e, const VectorXd& dv) {
+  Vector3d du = e.on_body.transpose() * dv.segment<6>(row(e.body));
+  if (e.other) du += e.on_other.transpose() * dv.segment<6>(row(*e.other));
+  return du;
+}
+
 void Scaled::add(const Element& e, const Vector3d& x, VectorXd& v) const {
   v.segment<6>(row(e.body)).noalias() += e.on_body * x;
   if (e.other) v.segment<6>(row(*e.other)).noalias() += e.on_other * x;

@@ -39,7 +39,11 @@ struct Scaled {
   std::size_t bodies = 0;
   double unit = 0;  ///< velocity 1; 0: nothing approaches or slips
 
+  [[nodiscard]] static Eigen::Index width() { return 6; }
+  /// Velocities count from free motion.
+  [[nodiscard]] Eigen::VectorXd start() const { return Eigen::VectorXd::Zero(6 * static_cast<Eigen::Index>(bodies)); }
   [[nodiscard]] Eigen::Vector3d relative(const Element& e, const Eigen::VectorXd& v) const;
+  [[nodiscard]] static Eigen::Vector3d change(const Element& e, const Eigen::VectorXd& dv);
   void add(const Element& e, const Eigen::Vector3d& x, Eigen::VectorXd& v) const;
 };
 

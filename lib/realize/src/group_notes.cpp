@@ -144,6 +144,13 @@ void add_group_support_notes(const stability::GroupSupport& groups, std::string_
 
 void add_design_notes(const std::vector<DesignResult>& designs, std::vector<std::string>& notes) {
   for (const DesignResult& design : designs) {
+    if (design.found && design.failing > 0) {
+      notes.push_back(fmt::format(
+          "design: bolts of {:g} m hold where the pattern was tried, and miss a target at {} of {} random offsets of "
+          "it "
+          "({:.0f} to {:.0f} %): no pattern is set that exactly; see `offsets_failing`",
+          design.length, design.failing, design.offsets, 100 * design.failing_share[0], 100 * design.failing_share[1]));
+    }
     if (!design.found || !design.groups || design.groups->all_held()) continue;
     const SupportedGroupFigures& groups = *design.groups;
     notes.push_back(fmt::format(

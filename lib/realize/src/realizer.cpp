@@ -212,6 +212,12 @@ Realizer::Done Realizer::judge() {
   if (!made_.key_groups || made_.key_groups->too_many) {
     made_.barred = stability::barred_by_lesser(complex, with, *made_.analysis);
   }
+  made_.tapered = stability::held_by_taper(complex, with, *made_.analysis);
+  if (made_.key_groups) {
+    for (const stability::KeyGroup& group : made_.key_groups->groups) {
+      std::erase_if(made_.tapered, [&](const auto& row) { return std::ranges::contains(group.blocks, row.block); });
+    }
+  }
   hold_by_border(with);
   if (!near_) judge_cases(*scene_, complex, made_);
   if (scene_->stability->groups != stability::GroupsCheck::off) {

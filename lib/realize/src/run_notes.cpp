@@ -111,6 +111,16 @@ void add_anchor_note(const stability::SupportResult& support, std::vector<std::s
       count, count == 1 ? "block" : "blocks", support.held_by_border.front().value(), count > 1 ? ", ..." : ""));
 }
 
+/// Bolts that are not in the rock at all.
+void add_off_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
+  const auto off =
+      std::ranges::count_if(support.bolts, [](const auto& b) { return b.status == stability::BoltStatus::off; });
+  if (off == 0) return;
+  notes.push_back(
+      fmt::format("{} of {} bolts {} off the rock, their heads where nothing is left: they hold nothing; see bolts.csv",
+                  off, support.bolts.size(), off == 1 ? "is" : "are"));
+}
+
 /// Key blocks of a stage that later stages take away, or that nothing in the last state tells of.
 void add_stage_note(const SequenceResult& sequence, const stability::Analysis& analysis,
                     std::vector<std::string>& notes) {
@@ -126,6 +136,20 @@ void add_stage_note(const SequenceResult& sequence, const stability::Analysis& a
   if (most <= at_the_end) return;
   notes.push_back(fmt::format("stage {} of the excavation has {} key {}, {} when all is out: see `sequence`", stage + 1,
                               most, most == 1 ? "block" : "blocks", at_the_end));
+}
+
+/// Blocks that a joint holds which closes on them by next to nothing.
+void add_taper_note(const std::vector<stability::Barred>& tapered, std::vector<std::string>& notes) {
+  if (tapered.empty()) return;
+  const auto least = std::ranges::min_element(tapered, {}, &stability::Barred::factor_of_safety);
+  double volume = 0;
+  for (const stability::Barred& row : tapered) volume += row.volume.si();
+  const bool one = tapered.size() == 1;
+  notes.push_back(fmt::format(
+      "{} ({:.4g} m3) at free faces {} only because joints close on {} by less than {:g} mm a metre: were those "
+      "parallel, the least factor of safety would be {:.3g} (block {}); count on no such taper",
+      one ? "1 block" : fmt::format("{} blocks", tapered.size()), volume, one ? "stays" : "stay", one ? "it" : "them",
+      1e3 * stability::slight_taper, least->factor_of_safety, least->block.value()));
 }
 
 }  // namespace
@@ -174,12 +198,15 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   if (analysis) add_rotation_note(*analysis, notes);
   add_enclosed_notes(made.held_from_within, notes);
   add_barred_note(made.barred, made.key_groups && made.key_groups->too_many, notes);
+  add_taper_note(made.tapered, notes);
   if (made.domain_held) add_border_note(*made.domain_held, "", notes);
   for (const CaseResult& load : made.load_cases) {
     const bool more = load.domain_held && (!made.domain_held || load.domain_held->blocks != made.domain_held->blocks);
     if (more) add_border_note(*load.domain_held, fmt::format("load case {}: ", load.name), notes);
   }
   if (made.support) add_anchor_note(*made.support, notes);
+  // Beyond what was cut on demand rock is not known.
+  if (made.support && !made.window) add_off_note(*made.support, notes);
   if (made.support && scene.stability->groups == stability::GroupsCheck::off) {
     notes.emplace_back(
         "support: with groups = \"off\" it was not asked whether it holds blocks that move together, nor whether a "

@@ -21,7 +21,7 @@ class Barring final {
     }
   }
 
-  std::vector<Barred> run() {
+  std::vector<Barred> by_lesser() {
     std::vector<Barred> out;
     for (const BlockId id : complex().blocks().ids()) {
       if (!may_move(id) || !exposed(id)) continue;
@@ -34,7 +34,39 @@ class Barring final {
     return out;
   }
 
+  std::vector<Barred> by_taper() {
+    std::vector<Barred> out;
+    for (const BlockId id : complex().blocks().ids()) {
+      if (!may_move(id)) continue;
+      const Model::Held held = model_.held(id, state_);
+      if (!held.exposed) continue;
+      Contacts contacts = model_.contacts(id, state_, Cone{about_parallel(held.rows)}, true);
+      const Verdict verdict = without_taper(contacts, model_.applied_forces(id, state_));
+      if (!verdict.key) continue;
+      out.push_back(
+          {.block = id, .volume = complex().blocks()[id].volume, .factor_of_safety = verdict.factor_of_safety});
+    }
+    return out;
+  }
+
  private:
+  /// Normals that are parallel but for a taper are one; signs that it could turn are zero.
+  [[nodiscard]] static std::vector<Direction> about_parallel(std::span<const Direction> rows) {
+    std::vector<Direction> out;
+    for (const Direction& row : rows) {
+      const auto like = std::ranges::find_if(out, [&](const Direction& other) {
+        return norm(cross(row.unit(), other.unit())) < slight_taper;  // of either sense
+      });
+      const bool opposite = like != out.end() && dot(row.unit(), like->unit()) < 0;
+      out.push_back(like == out.end() ? row.turned_by(slight_taper) : opposite ? like->opposite() : *like);
+    }
+    return out;
+  }
+  [[nodiscard]] Verdict without_taper(const Contacts& contacts, const Resultant& forces) const {
+    if (model_.settings().strict && contacts.cone.dimension() < 3) return {};
+    return judge(contacts, forces, model_.settings());
+  }
+
   [[nodiscard]] const topology::BlockComplex& complex() const noexcept { return model_.complex(); }
   /// Stays, and might not: what is known in part only is taken to stay.
   [[nodiscard]] bool may_move(BlockId id) const {
@@ -85,7 +117,12 @@ class Barring final {
 
 std::vector<Barred> barred_by_lesser(const topology::AuditedComplex& complex, const Settings& settings,
                                      const Analysis& analysis) {
-  return Barring{complex.complex(), settings, analysis}.run();
+  return Barring{complex.complex(), settings, analysis}.by_lesser();
+}
+
+std::vector<Barred> held_by_taper(const topology::AuditedComplex& complex, const Settings& settings,
+                                  const Analysis& analysis) {
+  return Barring{complex.complex(), settings, analysis}.by_taper();
 }
 
 }  // namespace cleave::stability

@@ -261,6 +261,7 @@ struct Realization : SampledScene {
   std::vector<std::optional<LetGo>> let_go = {};  ///< of `key_groups`, those in doubt; empty: none was asked
   std::vector<stability::InterlockedByInclusion> held_from_within = {};
   std::vector<stability::Barred> barred = {};             ///< where blocks were not judged together
+  std::vector<stability::Barred> tapered = {};            ///< held by next to nothing, and in no key group
   std::optional<stability::DomainHeld> domain_held = {};  ///< of the base case, with `analysis`
   std::optional<stability::DomainHeld> held_alone = {};   ///< of those, single blocks: what ensembles count
   std::vector<CaseResult> load_cases = {};                ///< of [[load]], in scene order; the base case is `analysis`

@@ -189,18 +189,28 @@ using HeldFromWithin = InterlockedByInclusion;  ///< old name
 [[nodiscard]] std::vector<InterlockedByInclusion> held_from_within(const topology::AuditedComplex& complex,
                                                                    const Settings& settings, const Analysis& analysis);
 
-/// A block that stays only because blocks that are smaller, or removable, stand in its way or under it.
+/// A block that stays only for a reason that may be none.
 struct Barred {
   topology::BlockId block;
   Volume volume = {};
-  double factor_of_safety = 0;  ///< without them, the forces on the block as they are; below 1
+  double factor_of_safety = 0;  ///< without it, the forces on the block as they are; below 1
 };
 
+/// Because blocks that are smaller, or removable, stand in its way or under it.
+///
 /// Blocks with something open, no key blocks, that would be were the neighbours that are smaller or removable not
 /// there, in the state that the analysis ends in: whether they can push those out is what key groups tell. Blocks that
 /// a window cuts through are neither asked nor taken away.
 [[nodiscard]] std::vector<Barred> barred_by_lesser(const topology::AuditedComplex& complex, const Settings& settings,
                                                    const Analysis& analysis);
+
+/// Joints that close on a block by less than this, metres a metre, hold it in numbers: not where rock gives way, and no
+/// survey measures them so.
+inline constexpr double slight_taper = 2e-3;
+/// Because of a slight taper: blocks with something open, no key blocks, that would be were faces parallel that are so
+/// but for that much, in the state that the analysis ends in.
+[[nodiscard]] std::vector<Barred> held_by_taper(const topology::AuditedComplex& complex, const Settings& settings,
+                                                const Analysis& analysis);
 
 /// Points that stand for what a face shares with a neighbour, a quarter of its area each: their centroid is its own,
 /// and they spread as it does along its two principal axes, times 1.2 in place of the square root of 2. So even
