@@ -1,6 +1,7 @@
-/// Small random stacks, falling clusters and free clouds of blocks in three dimensions, convex or not, as they are and
-/// turned by a quarter, mirrored or listed backwards: every accepted step meets the law and shares no space, no run
-/// gains energy without restitution, momentum and energy close, and the first steps do not depend on how it is written.
+/// Small random stacks, falling clusters and free clouds of blocks in three dimensions, convex or not, some tied to one
+/// another, as they are and turned by a quarter, mirrored or listed backwards: every accepted step meets the law and
+/// shares no space, no run gains energy without restitution, momentum and energy close, no tie bears more than its
+/// capacity or comes back, and the first steps do not depend on how it is written.
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +22,7 @@ using namespace cleave::motion;
 
 struct Setting {
   std::vector<BodySpec> bodies;
+  std::vector<Tie> ties = {};
   double friction = 0;
   Vec3 gravity;
 };
@@ -49,6 +51,29 @@ Polyhedron random_shape(cleave::support::ByteSource& bytes) {
 }
 
 double unit(cleave::support::ByteSource& bytes) { return (count_of(bytes, 254) - 127) / 127; }
+
+/// Ties from points near the middle of bodies, some of them weak and some without ductility.
+void add_ties(cleave::support::ByteSource& bytes, Setting& out) {
+  const std::size_t count = bytes.up_to(6) < 4 || out.bodies.size() < 2 ? 0 : 1 + bytes.up_to(3);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto body = static_cast<std::uint32_t>(bytes.up_to(out.bodies.size() - 1));
+    const auto other = static_cast<std::uint32_t>(bytes.up_to(out.bodies.size() - 1));
+    if (body == other) continue;
+    const auto end = [&](std::uint32_t b) {
+      Vec3 middle;
+      const std::vector<Vec3>& all = out.bodies[b].shape.vertices;
+      for (const Vec3 v : all) middle += v / static_cast<double>(all.size());
+      return middle + 0.2 * Vec3{unit(bytes), unit(bytes), unit(bytes)};
+    };
+    const Tie tie{.body = body,
+                  .other = other,
+                  .end = end(body),
+                  .other_end = end(other),
+                  .capacity = cleave::newtons(std::pow(10, 2 * unit(bytes))),
+                  .ductility = cleave::metres(0.05 * count_of(bytes, 3))};
+    if (norm(tie.end - tie.other_end) > 0.1) out.ties.push_back(tie);
+  }
+}
 
 Setting random_setting(cleave::support::ByteSource& bytes) {
   enum class Kind : std::uint8_t { stack, falling, cloud };
@@ -79,6 +104,7 @@ Setting random_setting(cleave::support::ByteSource& bytes) {
   } else {
     out.bodies.push_back({.shape = shapes::box({-6, -6, -1}, {6, 6, 0}), .fixed = true});
   }
+  add_ties(bytes, out);
   return out;
 }
 
@@ -95,7 +121,26 @@ Setting mapped(Setting in, const Map& map, bool mirror) {
     }
   }
   in.gravity = map(in.gravity);
+  for (Tie& tie : in.ties) {
+    tie.end = map(tie.end);
+    tie.other_end = map(tie.other_end);
+  }
   return in;
+}
+
+void look_at_ties(const World& world, const std::vector<Tie>& ties, std::vector<TieState>& before) {
+  for (std::size_t k = 0; k < ties.size(); ++k) {
+    const TieState now = world.tie(k);
+    const double length = norm(ties[k].end - ties[k].other_end);
+    const double apart =
+        norm(world.position(ties[k].body, ties[k].end) - world.position(ties[k].other, ties[k].other_end));
+    require(now.force.si() <= ties[k].capacity.si() * (1 + 1e-6), "a tie bears too much", now.force.si());
+    require(now.lengthened >= before[k].lengthened && now.broken >= before[k].broken, "a tie comes back", 0);
+    require(now.broken || now.lengthened <= ties[k].ductility, "a tie is too long", now.lengthened.si());
+    require(now.broken || apart - length - now.lengthened.si() < 1e-4 * length, "a tie is drawn",
+            apart - length - now.lengthened.si());
+    before[k] = now;
+  }
 }
 
 struct Outcome {
@@ -109,17 +154,20 @@ Outcome run(const Setting& setting, int steps, int early) {
   WorldOptions options{.gravity = setting.gravity, .step = 0.01};
   options.solver.accept = 1e-6;
   options.solver.patience = 1000;
-  auto made = World::make({.bodies = setting.bodies, .surfaces = {{setting.friction, 0}}}, options);
+  auto made =
+      World::make({.bodies = setting.bodies, .surfaces = {{setting.friction, 0}}, .ties = setting.ties}, options);
   if (!made) return out;
   out.made = true;
   double weight = 0;
   for (std::size_t b = 0; b < made->size(); ++b) weight += made->fixed(b) ? 0 : made->mass(b);
   out.scale = std::abs(made->energy().start) + weight * 9.81;
+  std::vector<TieState> before(setting.ties.size());
   for (int k = 0; k < steps; ++k) {
     const auto report = made->step();
     if (!report) break;  // said, and the world is as it was
     require(report->residual <= options.solver.accept, "a step misses the law", report->residual);
     require(report->overlap <= options.overlap, "bodies share space", report->overlap);
+    look_at_ties(*made, setting.ties, before);
     out.one_answer = out.one_answer && (k >= early || report->may_be_locked == 0);
     if (k + 1 == early) out.early = made->energy().kinetic;
   }
@@ -140,7 +188,15 @@ CLEAVE_FUZZ_TARGET(input) {
   Setting other = setting;
   if (how == 1) other = mapped(setting, [](Vec3 v) { return Vec3{-v.y, v.x, v.z}; }, false);
   if (how == 2) other = mapped(setting, [](Vec3 v) { return Vec3{-v.x, v.y, v.z}; }, true);
-  if (how == 3) std::ranges::reverse(other.bodies);
+  if (how == 3) {
+    std::ranges::reverse(other.bodies);
+    std::ranges::reverse(other.ties);
+    const auto last = static_cast<std::uint32_t>(other.bodies.size() - 1);
+    for (Tie& tie : other.ties) {
+      tie.body = last - tie.body;
+      tie.other = last - tie.other;
+    }
+  }
   if (how == 0) return;
   const Outcome again = run(other, early, early);
   require(plain.made == again.made, "one way of writing it is refused", 0);

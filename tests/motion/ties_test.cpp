@@ -154,6 +154,70 @@ TEST(Ties, WakeWhatHangsOnThem) {
   EXPECT_LT(world.centroid(1).x - world.centroid(0).x, 4 + 1e-8);
 }
 
+// What is cut holds nothing any more, and wakes what hung on it.
+TEST(Ties, AreCut) {
+  World world = tied({body(block(1, 1, 1)), roof()}, {tie({0, 0, 0.5}, {0, 0, 4}, 2 * g)});
+  ASSERT_TRUE(run(world, 0.3));
+  EXPECT_TRUE(world.asleep(0));
+  world.cut(0);
+  EXPECT_TRUE(world.tie(0).broken);
+  EXPECT_EQ(world.tie(0).force.si(), 0);
+  ASSERT_TRUE(run(world, 0.5));
+  EXPECT_NEAR(world.velocity(0).z, -g * 0.2, 1e-9);
+}
+
+// A slab that lies over an edge, held down by what hangs on its other end: when that comes off it tips.
+TEST(Ties, WakeWhatTheyHeldDown) {
+  std::vector<BodySpec> bodies{body(box({-1, -0.5, 0}, {2, 0.5, 0.3})),
+                               body(moved(block(0.5, 0.5, 0.5), {-0.9, 0, -3})),
+                               {.shape = box({-0.95, -20, -1}, {0, 20, 0}), .fixed = true}};
+  bodies[1].density = kilograms_per_cubic_metre(20);
+  const double hangs = 2.5 * g;
+  World world = tied(std::move(bodies), {{0, 1, {-0.9, 0, 0}, {-0.9, 0, -2.75}, newtons(0.99 * hangs), metres(0.02)}},
+                     0.6, {.step = 0.01});
+  // The slab of 0.9 g would turn about the edge at 0: 0.5 m times 0.9 against 0.9 m times 2.475. It lies still while
+  // the tie yields.
+  bool held = true;
+  while (world.time() < 2 - 1e-9) {
+    ASSERT_TRUE(world.step(2 - world.time()).has_value());
+    if (!world.tie(0).broken) held = held && angle_of(world.turn(0)) < 1e-6;
+  }
+  EXPECT_TRUE(held);
+  EXPECT_TRUE(world.tie(0).broken);
+  EXPECT_GT(angle_of(world.turn(0)), 0.1);
+}
+
+// A tie that gives is never drawn back: beside a body a million times heavier its capacity is far below what an
+// accepted answer may be off by.
+TEST(Ties, GiveBesideWhatIsFarHeavier) {
+  std::vector<BodySpec> bodies{body(moved(block(1, 1, 1), {0, 0, 0.5})), roof(), floor()};
+  bodies[0].density = kilograms_per_cubic_metre(1e6);
+  // A light cube lies on it at a slope too steep for friction, on a tie of half of what it takes.
+  const double light = 1e-2;
+  bodies.push_back(body(moved(block(0.2, 0.2, 0.2), {0, 0, 3})));
+  bodies.back().density = kilograms_per_cubic_metre(light);
+  const double weight = 0.008 * light * g;
+  World world = tied(std::move(bodies),
+                     {{3, 1, {0, 0, 3}, {0, 0, 4}, newtons(0.5 * weight), metres(10)},
+                      {3, 0, {0, 0, 2.9}, {0, 0, 1}, newtons(1e-9), metres(10)}},
+                     0.5, {.step = 0.01, .solver = {.accept = 1e-5}});
+  ASSERT_TRUE(run(world, 0.5));
+  EXPECT_NEAR(world.velocity(3).z, -0.5 * g * 0.5, 1e-3);
+  EXPECT_NEAR(world.tie(0).lengthened.si(), -world.displacement(3).z, 1e-6);
+  EXPECT_LT(std::abs(world.energy().projected), 1e-9 * weight);
+}
+
+// A tie that was slack and is drawn tight lengthens by what is beyond its length alone.
+TEST(Ties, LengthenByWhatIsBeyondTheirLength) {
+  World world =
+      tied({body(block(1, 1, 1), {0, 0, 1}), roof()}, {tie({0, 0, 0.5}, {0, 0, 4}, 0.5 * g, 10)}, 0, {.step = 0.01});
+  // Up and down again: there after 2 / g s, then down at 0.5 g from 1 m/s.
+  ASSERT_TRUE(run(world, 0.4));
+  EXPECT_NEAR(world.tie(0).lengthened.si(), -world.displacement(0).z, 1e-9);
+  const double t = 0.4 - 2 / g;
+  EXPECT_NEAR(-world.displacement(0).z, t + 0.25 * g * t * t, 0.02);
+}
+
 TEST(Ties, GoOnFromBytes) {
   const auto make = [] {
     return tied({body(block(1, 1, 1)), roof()},

@@ -16,6 +16,7 @@
 #include "cleave/report/key_blocks.hpp"
 #include "hand_made.hpp"
 #include "html.hpp"
+#include "motion.hpp"
 #include "view3d.hpp"
 
 namespace cleave::report::html_stability_test {
@@ -386,6 +387,22 @@ TEST(StabilityTables, RowsOfTheFilesBesideKeyBlocks) {
   const std::string keys = key_blocks_csv(t.complex, t.result);
   EXPECT_TRUE(keys.contains(",faces,joints,topples,turns,x_m,"));
   EXPECT_TRUE(keys.contains("9,,0,sliding,1,1000,0,0,-1,800,1.2,6,7,1,1,"));
+}
+
+// What bolts did in motion stands beside what the check says of them, and only where they acted.
+TEST(StabilityTables, BoltsThatActedInMotion) {
+  Tunnel t;
+  const std::string before = bolts_csv(t.result);
+  EXPECT_TRUE(before.contains(",motion_force_n,motion_lengthened_m,motion_broken_s\n")) << before;
+  scene::MotionResult& motion = t.result.motion.emplace();
+  motion.supported = true;
+  EXPECT_EQ(bolts_csv(t.result), before);
+  motion.bolts = {{.bolt = 1, .largest = newtons(2500), .lengthened = metres(0.25), .broken_at = Time::from_si(1.5)}};
+  const std::string after = bolts_csv(t.result);
+  const std::size_t second = before.rfind('\n', before.size() - 2);
+  EXPECT_EQ(after.substr(0, second), before.substr(0, second));
+  EXPECT_TRUE(after.ends_with(",2500,0.25,1.5\n")) << after;
+  EXPECT_TRUE(motion_section(motion).contains("1 tie blocks that are let go, 1 of them broke; largest force 2.5 kN"));
 }
 
 }  // namespace

@@ -92,7 +92,8 @@ std::string support_lines(const scene::SupportFigures& support, const std::vecto
 std::string motion_line(const scene::MotionResult& motion) {
   return say("motion       {moved} of {released} blocks moved, {end_s:.4g} s", motion) +
          (motion.at_rest ? " (at rest)" : "") +
-         say(", {steps} steps, residual {residual:.1e}, energy error {relative_error:.1e}\n", motion);
+         say(", {steps} steps, residual {residual:.1e}, energy error {relative_error:.1e}\n", motion) +
+         (motion.bolts.empty() ? "" : say("  {acting} bolts act, {broken} broke, at most {largest_force_n}\n", motion));
 }
 
 }  // namespace

@@ -247,6 +247,9 @@ void World::Impl::let_fall(const std::vector<State>& mid, double step, Attempt& 
   out.torn.clear();
   out.bond_impulse.assign(bonds.size(), {});
   out.ties = ties;
+  for (TieRecord& tie : out.ties) {
+    if (tie.broken) tie.force = 0;
+  }
   out.report = {};
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (!moves(b)) continue;
@@ -318,7 +321,7 @@ void World::Impl::note_contacts(const Island& island, const Solved& solved, cons
     const Vector3d& i = solved.found.impulse[k];
     if (p.axial) {
       const std::size_t first = island.touches.size() + island.bonds.size();
-      note_tie(island.ties[k - first], i[0], slip[0], step, out);
+      note_tie(island.ties[k - first], solved.group, p, i[0], p.b[0] + slip[0], step, out);
       continue;
     }
     if (k >= island.touches.size()) {
@@ -416,6 +419,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tol
     // A bond gives once: such rounds end by themselves.
     if (out.torn.empty() && ++round > 4 * rounds) return Failure{0, "no rule of the step keeps the energy"};
   }
+  lengthen_ties(out);
   double deepest = 0;
   out.projected = part(out.state, out.ties, deepest);
   out.report.max_penetration = deepest;

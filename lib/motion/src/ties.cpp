@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "world_impl.hpp"
 
@@ -24,15 +25,25 @@ void World::Impl::set_tie(const TieRecord& tie, double slack, double step, Point
   p.start = {tie.force * step, 0, 0};
 }
 
-void World::Impl::note_tie(std::uint32_t number, double impulse, double shortening, double step, Attempt& out) const {
+void World::Impl::note_tie(std::uint32_t number, const Group& group, const Point& p, double impulse, double room,
+                           double step, Attempt& out) const {
   TieRecord& tie = out.ties[number];
   tie.force = impulse / step;
-  if (impulse < (1 - 1e-9) * tie.tie.capacity.si() * step) return;
   // Of a step that misses the law by its residual this is rounding.
-  const double loose = 1e-6 * step * norm(options.gravity);
-  if (shortening >= -loose) return;
-  tie.lengthened -= shortening * step;
-  if (tie.lengthened > tie.tie.ductility.si()) tie.broken = true;
+  if (room >= -1e-6 * step * norm(options.gravity)) return;
+  // As the law is judged: an answer that is near enough may have a little less than the capacity where it gives.
+  double mobility = p.on_body.col(0).dot(group.mass[p.body].llt().solve(p.on_body.col(0)));
+  if (p.other) mobility += p.on_other.col(0).dot(group.mass[*p.other].llt().solve(p.on_other.col(0)));
+  tie.gives = impulse - room / mobility >= p.most;
+}
+
+void World::Impl::lengthen_ties(Attempt& out) const {
+  for (TieRecord& tie : out.ties) {
+    if (!std::exchange(tie.gives, false)) continue;
+    tie.lengthened += std::max(0.0, -slack_of(tie, out.state));
+    tie.broken = tie.lengthened >= tie.tie.ductility.si();
+    if (tie.broken) out.freed.insert(out.freed.end(), {tie.tie.body, tie.tie.other});
+  }
 }
 
 bool World::Impl::wake_tied() {

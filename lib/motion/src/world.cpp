@@ -246,13 +246,14 @@ StepReport World::Impl::close(Attempt& done) {
 
 /// Groups whose bodies have all been at rest for ten steps sleep.
 void World::Impl::sleep_and_wake(const Attempt& done) {
-  static_cast<void>(done);
   if (options.quasi_static) return;
   constexpr std::uint8_t steps = 10;
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     const double speed = norm(state[b].v) + norm(spin(state[b], b)) * shapes[b].radius;
     quiet[b] = moves(b) && speed < options.sleep_speed ? static_cast<std::uint8_t>(std::min(quiet[b] + 1, 250)) : 0;
   }
+  // What a tie held does not rest as before once that is gone.
+  for (const std::uint32_t b : done.freed) asleep[b] = quiet[b] = 0;
   if (!options.sleep) return;
   for (const Island& island : islands_of(touches)) {
     if (!std::ranges::all_of(island.bodies, [&](std::uint32_t b) { return quiet[b] >= steps; })) continue;
@@ -336,6 +337,13 @@ const std::vector<Contact>& World::contacts() const noexcept { return impl_->con
 TieState World::tie(std::size_t number) const {
   const TieRecord& tie = impl_->ties[number];
   return {newtons(tie.force), metres(tie.lengthened), tie.broken};
+}
+void World::cut(std::size_t tie) {
+  TieRecord& own = impl_->ties[tie];
+  own.broken = true;
+  own.force = 0;
+  std::ranges::fill(impl_->asleep, std::uint8_t{0});
+  std::ranges::fill(impl_->quiet, std::uint8_t{0});
 }
 const Energy& World::energy() const noexcept { return impl_->energy; }
 Vec3 World::momentum() const {

@@ -58,6 +58,7 @@ struct TieRecord {
   double force = 0;   ///< N, in the last step
   double lengthened = 0;
   bool broken = false;
+  bool gives = false;  ///< in this step
 };
 
 /// Contact points and bodies that hang together.
@@ -85,6 +86,7 @@ struct Attempt {
   std::vector<std::uint32_t> torn;   ///< bonds whose tension gave
   std::vector<std::vector<Vec3>> bond_impulse;
   std::vector<TieRecord> ties;
+  std::vector<std::uint32_t> freed;  ///< bodies of ties that broke
   StepReport report;
   double work = 0, friction = 0, scheme = 0, projected = 0, gain = 0;
   Vec3 given;  ///< momentum, by loads and walls
@@ -186,8 +188,11 @@ struct World::Impl {
   /// What it may come apart before it pulls, m; below 0: it is drawn too long.
   [[nodiscard]] double slack_of(const TieRecord& tie, const std::vector<State>& s) const;
   static void set_tie(const TieRecord& tie, double slack, double step, Point& p);
-  /// What it carried. `shortening`: speed at which its ends come nearer, m/s.
-  void note_tie(std::uint32_t number, double impulse, double shortening, double step, Attempt& out) const;
+  /// What it carried, and whether it gives. `room`: speed at which it comes to be longer than its ends are apart, m/s.
+  void note_tie(std::uint32_t number, const Group& group, const Point& p, double impulse, double room, double step,
+                Attempt& out) const;
+  /// Those that gave are as long now as their ends are apart, and gone where that is too much.
+  void lengthen_ties(Attempt& out) const;
   /// Wakes what hangs on something that moves; whether there was any.
   [[nodiscard]] bool wake_tied();
 

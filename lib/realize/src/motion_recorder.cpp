@@ -20,6 +20,9 @@ constexpr std::uint32_t resting_steps = 20;
 /// s; times that differ by less are one.
 constexpr double at_once = 1e-9;
 
+/// Whether it pulls across a place of the bolt, m from the collar.
+bool crosses(const MotionCast::Tie& tie, double at) { return tie.leaves <= at && at < tie.anchored; }
+
 }  // namespace
 
 MotionRecorder::MotionRecorder(const Scene& scene, const BlockComplex& complex, const MotionCast& cast,
@@ -35,6 +38,12 @@ MotionRecorder::MotionRecorder(const Scene& scene, const BlockComplex& complex, 
   lowest_ = lo.z - 0.05 * (hi.z - lo.z);
   for (const BlockId b : cast.moving) result_.blocks.push_back({.block = b, .centroid = {}});
   result_.walls = cast.walls;
+  result_.supported = cast.supported;
+  cut_.assign(cast.ties.size(), 0);
+  for (const MotionCast::Tie& tie : cast.ties) {
+    if (result_.bolts.empty() || result_.bolts.back().bolt != tie.bolt) result_.bolts.push_back({.bolt = tie.bolt});
+    bolt_of_.push_back(static_cast<std::uint32_t>(result_.bolts.size() - 1));
+  }
   result_.converged = true;
   record(0);
 }
@@ -90,6 +99,7 @@ void MotionRecorder::look_at(const motion::StepReport& report) {
   result_.may_be_locked = std::max<std::uint64_t>(result_.may_be_locked, report.may_be_locked);
   result_.penetration = std::max(result_.penetration, metres(report.max_penetration));
   result_.overlap = std::max(result_.overlap, report.overlap);
+  look_at_bolts();
   for (std::size_t k = 0; k < result_.blocks.size(); ++k) {
     MotionBlock& block = result_.blocks[k];
     if (block.left) continue;
@@ -102,6 +112,29 @@ void MotionRecorder::look_at(const motion::StepReport& report) {
     if (inside) continue;
     block.left = true;
     world_.set_fixed(k, true);
+    // It hangs on nothing, and nothing on it.
+    for (std::size_t t = 0; t < cut_.size(); ++t) {
+      const motion::Tie& tie = cast_.scene.ties[t];
+      if ((tie.body != k && tie.other != k) || world_.tie(t).broken) continue;
+      world_.cut(t);
+      cut_[t] = 1;
+    }
+  }
+}
+
+void MotionRecorder::look_at_bolts() {
+  for (std::size_t t = 0; t < cut_.size(); ++t) {
+    MotionBolt& bolt = result_.bolts[bolt_of_[t]];
+    // All that a bolt carries where it leaves a block.
+    double force = 0;
+    for (std::size_t other = t; other < cut_.size() && bolt_of_[other] == bolt_of_[t]; ++other) {
+      if (crosses(cast_.ties[other], cast_.ties[t].leaves)) force += world_.tie(other).force.si();
+    }
+    for (std::size_t other = t; other-- > 0 && bolt_of_[other] == bolt_of_[t];) {
+      if (crosses(cast_.ties[other], cast_.ties[t].leaves)) force += world_.tie(other).force.si();
+    }
+    bolt.largest = std::max(bolt.largest, newtons(force));
+    if (world_.tie(t).broken && cut_[t] == 0 && !bolt.broken_at) bolt.broken_at = Time::from_si(world_.time());
   }
 }
 
@@ -111,6 +144,20 @@ void MotionRecorder::record(double time) {
     frame.places.push_back({world_.displacement(k), world_.turn(k), world_.velocity(k)});
   }
   result_.frames.push_back(std::move(frame));
+}
+
+/// Of each block: the bolts that tied it to other rock, and those of them that broke.
+void MotionRecorder::count_bolts() {
+  constexpr std::uint32_t none = static_cast<std::uint32_t>(-1);
+  std::vector<std::uint32_t> last(result_.blocks.size(), none), last_broken(result_.blocks.size(), none);
+  for (std::size_t t = 0; t < cut_.size(); ++t) {
+    for (const std::uint32_t b : {cast_.scene.ties[t].body, cast_.scene.ties[t].other}) {
+      if (b >= result_.blocks.size()) continue;
+      if (std::exchange(last[b], bolt_of_[t]) != bolt_of_[t]) ++result_.blocks[b].bolts;
+      if (!world_.tie(t).broken || cut_[t] != 0) continue;
+      if (std::exchange(last_broken[b], bolt_of_[t]) != bolt_of_[t]) ++result_.blocks[b].bolts_broken;
+    }
+  }
 }
 
 MotionResult MotionRecorder::close() {
@@ -123,6 +170,11 @@ MotionResult MotionRecorder::close() {
   result_.dissipated = e.friction + e.lost;
   result_.energy_error = e.closing_error;
   result_.momentum_error = world_.momentum_error();
+  for (std::size_t t = 0; t < cut_.size(); ++t) {
+    MotionBolt& bolt = result_.bolts[bolt_of_[t]];
+    bolt.lengthened = std::max(bolt.lengthened, world_.tie(t).lengthened);
+  }
+  count_bolts();
   for (std::size_t k = 0; k < result_.blocks.size(); ++k) {
     MotionBlock& block = result_.blocks[k];
     const Vec3 shift = world_.displacement(k);

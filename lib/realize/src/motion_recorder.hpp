@@ -19,7 +19,20 @@ struct MotionCast {
   std::vector<topology::BlockId> moving;  ///< the first bodies
   std::vector<std::uint32_t> wave;
   std::size_t walls = 0;
-  std::size_t left_out = 0;  ///< slivers that would be let go
+  std::size_t left_out = 0;              ///< slivers that would be let go
+  std::vector<std::uint32_t> body = {};  ///< by block; a number beyond all: none
+
+  /// Of `scene.ties`: the bolt, by its number in the result of the support, and the metres from its collar where it
+  /// leaves the one block and where it is held in the other. By bolt.
+  struct Tie {
+    std::uint32_t bolt = 0;
+    double leaves = 0, anchored = 0;
+  };
+  std::vector<Tie> ties = {};
+  bool supported = false;            ///< the bolts of the scene act
+  std::size_t late_bolts = 0;        ///< through blocks that leave before they are put in
+  std::size_t unsure_pulls = 0;      ///< left out, as their angle law does not say what they bear
+  std::size_t bolts_with_shear = 0;  ///< that act, but not across their axes
 };
 
 /// Where a run has come to, beside its world and its result.
@@ -45,6 +58,8 @@ class MotionRecorder final {
  private:
   void release();
   void look_at(const motion::StepReport& report);
+  void look_at_bolts();
+  void count_bolts();
   void record(double time);
   void stop_because(std::string why);
   [[nodiscard]] std::string identity() const;
@@ -59,6 +74,8 @@ class MotionRecorder final {
   double frame_ = 0, lowest_ = 0;
   geometry::Vec3 low_, high_;
   MotionPlace place_;
+  std::vector<std::uint8_t> cut_;       ///< by tie: its block left
+  std::vector<std::uint32_t> bolt_of_;  ///< by tie: place in `result_.bolts`
   MotionResult result_;
 };
 

@@ -10,6 +10,7 @@
 #include "cleave/assembly/groups.hpp"
 #include "cleave/core/fields.hpp"
 #include "cleave/motion/world.hpp"
+#include "motion_bolts.hpp"
 #include "motion_recorder.hpp"
 
 namespace cleave::scene {
@@ -227,7 +228,8 @@ MotionCast cast_of(const Scene& scene, const MotionSettings& settings, const Rea
       }
     }
   }
-  std::vector<std::uint32_t> body(waves.size(), static_cast<std::uint32_t>(-1));
+  std::vector<std::uint32_t>& body = cast.body;
+  body.assign(waves.size(), static_cast<std::uint32_t>(-1));
   const auto add = [&](BlockId b, bool fixed) {
     body[b.index()] = static_cast<std::uint32_t>(cast.scene.bodies.size());
     cast.scene.bodies.push_back(
@@ -314,7 +316,6 @@ void add_notes(const Scene& scene, const MotionResult& result, std::vector<std::
   if (reduces_strength(*scene.stability)) {
     notes.emplace_back("motion: blocks in motion have their strength and weight as they are, without partial factors");
   }
-  if (scene.support) notes.emplace_back("motion: blocks move without their support");
 }
 
 }  // namespace
@@ -324,12 +325,22 @@ std::string_view name_of(LetGo outcome) noexcept { return enum_name(outcome); }
 std::uint64_t MotionResult::moved() const noexcept {
   return static_cast<std::uint64_t>(std::ranges::count_if(blocks, &MotionBlock::moved));
 }
+std::uint64_t MotionResult::bolts_broken() const noexcept {
+  return static_cast<std::uint64_t>(
+      std::ranges::count_if(bolts, [](const MotionBolt& b) { return b.broken_at.has_value(); }));
+}
+Force MotionResult::largest_bolt_force() const noexcept {
+  Force largest;
+  for (const MotionBolt& b : bolts) largest = std::max(largest, b.largest);
+  return largest;
+}
 
 std::expected<MotionResult, Problem> run_motion(const Scene& scene, const Realization& made,
                                                 const BlockComplex& complex, const MovingRun& how) {
-  const MotionCast cast =
+  MotionCast cast =
       cast_of(scene, *scene.motion, made, complex, waves_of(scene, made, complex), {.gone = {}, .all_free = true});
   motion::WorldOptions options = options_of(scene, *scene.motion);
+  add_ties(scene, made, complex, options, cast);
   auto world = motion::World::make(cast.scene, options);
   if (!world) {
     MotionResult refused;
@@ -366,6 +377,7 @@ std::expected<MotionResult, Problem> run_motion(const Scene& scene, const Realiz
                                        cast.left_out == 1 ? "block" : "blocks", cast.left_out == 1 ? "is" : "are"));
   }
   add_notes(scene, result, result.notes);
+  add_support_notes(scene, made, cast, result, result.notes);
   return result;
 }
 

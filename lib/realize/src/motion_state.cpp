@@ -43,15 +43,19 @@ void archive(A& a, Archived<BlockSoFar> auto& b) {
   a(b.first_motion, b.fastest, b.left);
 }
 template <class A>
+void archive(A& a, Archived<MotionBolt> auto& b) {
+  a(b.bolt, b.largest, b.broken_at);
+}
+template <class A>
 void archive(A& a, Archived<MotionResult> auto& r) {
   a(r.at_rest, r.steps, r.contacts, r.may_be_locked, r.rough_steps, r.missed_speed, r.residual, r.penetration,
-    r.overlap, r.frames);
+    r.overlap, r.frames, r.bolts);
 }
 
 namespace {
 
 constexpr std::string_view state_kind = "cleave-motion-state";
-constexpr std::uint32_t version_of_state = 1;
+constexpr std::uint32_t version_of_state = 2;
 constexpr StateKind kind_of_state{.run = "a run of blocks in motion",
                                   .file = motion_state_name,
                                   .ties = "its blocks, joints, frames or when blocks are let go"};
@@ -62,6 +66,7 @@ constexpr StateKind kind_of_state{.run = "a run of blocks in motion",
 std::string MotionRecorder::identity() const {
   ArchiveWriter a;
   for (const topology::BlockId b : cast_.moving) a(b.value());
+  for (const MotionCast::Tie& tie : cast_.ties) a(tie.bolt, tie.leaves, tie.anchored);
   a(cast_.wave, waves_ > 0 ? settings_.duration.si() / (waves_ + 1) : 0.0, frame_, low_, high_, lowest_);
   return sha256_hex(a.bytes());
 }
@@ -75,15 +80,19 @@ bool MotionRecorder::is_sound(const MotionResult& read, const MotionPlace& place
            std::ranges::all_of(f.places, finite);
   };
   const auto time = [](const MotionFrame& f) { return f.time.si(); };
-  return !read.frames.empty() && std::ranges::all_of(read.frames, sound) &&
-         std::ranges::is_sorted(read.frames, {}, time) && place.released <= waves_;
+  const auto same_bolt = [](const MotionBolt& a, const MotionBolt& b) {
+    return a.bolt == b.bolt && std::isfinite(a.largest.si());
+  };
+  return std::ranges::equal(read.bolts, result_.bolts, same_bolt) && !read.frames.empty() &&
+         std::ranges::all_of(read.frames, sound) && std::ranges::is_sorted(read.frames, {}, time) &&
+         place.released <= waves_;
 }
 
 std::string MotionRecorder::state() const {
   std::vector<BlockSoFar> blocks;
   for (const MotionBlock& b : result_.blocks) blocks.push_back({b.first_motion, b.fastest, b.left});
   ArchiveWriter a;
-  a(identity(), world_.saved(), place_, result_, blocks);
+  a(identity(), world_.saved(), place_, result_, blocks, cut_);
   return sealed(state_kind, version_of_state, a.bytes());
 }
 
@@ -96,8 +105,9 @@ std::optional<Problem> MotionRecorder::go_on_from(const SavedRun& saved) {
   MotionPlace place;
   MotionResult read;
   std::vector<BlockSoFar> blocks;
-  a(world_bytes, place, read, blocks);
-  if (!a.complete() || blocks.size() != cast_.moving.size() || !is_sound(read, place))
+  std::vector<std::uint8_t> cut;
+  a(world_bytes, place, read, blocks, cut);
+  if (!a.complete() || blocks.size() != cast_.moving.size() || cut.size() != cut_.size() || !is_sound(read, place))
     return because(SavedFault::damaged);
   motion::World world = world_;
   if (const auto restored = world.restore(world_bytes); !restored) {
@@ -114,9 +124,11 @@ std::optional<Problem> MotionRecorder::go_on_from(const SavedRun& saved) {
     read.blocks[k].left = blocks[k].left;
   }
   read.walls = cast_.walls;
+  read.supported = cast_.supported;
   read.converged = true;
   result_ = std::move(read);
   place_ = place;
+  cut_ = std::move(cut);
   world_ = std::move(world);
   return std::nullopt;
 }

@@ -82,6 +82,11 @@ std::string bolts_csv(const scene::RunResult& result) {
       row.blocks.push_back(std::to_string(pierced.block.value()) + ':' + number(pierced.from) + '-' +
                            number(pierced.to));
     }
+    if (result.motion) {
+      const auto& moved = result.motion->bolts;
+      const auto own = std::ranges::lower_bound(moved, row.number, {}, &scene::MotionBolt::bolt);
+      if (own != moved.end() && own->bolt == row.number) row.motion = &*own;
+    }
     table.add(row);
   }
   return std::move(table).text();

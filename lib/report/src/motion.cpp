@@ -94,6 +94,11 @@ std::string motion_section(const scene::MotionResult& motion) {
                  display_count(motion.rough_steps) + ", by at most " + display(motion.missed_speed, 2) + " m/s");
   }
   told += facts({{"max_penetration_m", "Deepest penetration", 2}}, motion);
+  if (motion.supported) {
+    told += fact("Bolts", display_count(motion.bolts.size()) + " tie blocks that are let go, " +
+                              display_count(motion.bolts_broken()) + " of them broke; largest force " +
+                              display(motion.largest_bolt_force().si() / 1000, 4) + " kN");
+  }
   told += fact("Potential energy lost", display(motion.potential_lost / 1000, 4) + " kJ");
   told += fact("Error of the energy balance", display(motion.energy_error, 2) + " (relative)");
   if (motion.error) {

@@ -177,6 +177,7 @@ struct BoltRow {
   std::string pattern;
   const stability::BoltResult& b;
   std::vector<std::string> blocks = {};
+  const scene::MotionBolt* motion = nullptr;  ///< where it acts there
 };
 template <class V>
 void fields(V& v, const BoltRow& x) {
@@ -198,6 +199,12 @@ void fields(V& v, const BoltRow& x) {
   v("angle_deg", when(x.b.capacity > 0, x.b.angle), "to the movement of the block it serves; 0: pure tension");
   v("body", x.b.body, "the combined body (`combined_blocks.csv`) that it holds to the rock outside; empty: none");
   v("body_used_n", when(x.b.body.has_value(), x.b.body_used), "of its capacity where it leaves that body");
+  const scene::MotionBolt none{};
+  const scene::MotionBolt& moved = x.motion != nullptr ? *x.motion : none;
+  v("motion_force_n", when(x.motion != nullptr, moved.largest),
+    "largest in `[motion]`, in any step; empty where it ties nothing that is let go to other rock");
+  v("motion_lengthened_m", when(x.motion != nullptr, moved.lengthened), "there, for good");
+  v("motion_broken_s", moved.broken_at, "when it broke there");
 }
 
 struct SupportBlockRow {
@@ -347,6 +354,8 @@ void fields(V& v, const MotionBlock& x) {
   v("y_m", x.centroid.y);
   v("z_m", x.centroid.z);
   v("left", x.left, "1 when it left the domain and was followed no further");
+  v("bolts", x.bolts, "that tied it to other rock");
+  v("bolts_broken", x.bolts_broken, "of these");
 }
 
 template <class V>

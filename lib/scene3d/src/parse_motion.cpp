@@ -29,6 +29,9 @@ const KeyTable& motion_keys() {
           {"restitution", key::number(rule::probability), "0", "of the speed of approach, given back at an impact"},
           {"surface_friction", key::number(rule::friction), "35",
            "degrees, of faces that are no joints; of two faces the lesser counts"},
+          {"support", key::flag(), "true",
+           "the bolts of `[support]` hold what they tie, along their axes, until they break; false: blocks move "
+           "without"},
           {"error", key::flag(), "true", "runs again with half the step and says how far apart the two runs are"}}};
   return keys;
 }
@@ -47,6 +50,7 @@ std::optional<MotionSettings> parse_motion(const TableReader& root, const std::o
   if (const auto frame = table.number("frame")) settings.frame = Time::from_si(*frame);
   settings.restitution = table.value("restitution");
   settings.surface_friction = FrictionAngle::degrees(table.value("surface_friction"));
+  settings.support = table.flag("support");
   settings.error = table.flag("error");
   if (!stability && root.problems().errors() == 0) {
     root.error("motion", "lets blocks go, but nothing is free", "add an excavation or stability.free");

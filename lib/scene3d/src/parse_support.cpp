@@ -30,6 +30,7 @@ constexpr NumberRule area_rule{0, false, 1e9, false, " m2"};
 constexpr NumberRule arc_rule{-180, false, 180, false, " degrees"};
 constexpr NumberRule inclination_rule{-80, false, 80, false, " degrees"};
 constexpr NumberRule plunge_rule{-89, false, 89, false, " degrees"};
+constexpr NumberRule ductility_rule{0, false, 1e3, false, " m"};
 constexpr NumberRule cost_rule{0, false, 1e12, false, ""};
 constexpr std::array<string_view, 2> actions{"passive", "active"};
 
@@ -50,7 +51,9 @@ std::vector<Key> bolt_keys() {
       {"shear_capacity", key::number(capacity_rule), "0", "N across the bolt, of grouted and friction; 0: not counted"},
       {"angle", key::word<stability::AngleLaw>(), "\"full\"",
        "share of tension and shear at the angle t to the movement: `\"full\"` the pair that does the most work, "
-       "`\"cosine\"` cos t, `\"linear\"` 1 - t/90"}};
+       "`\"cosine\"` cos t, `\"linear\"` 1 - t/90"},
+      {"ductility", key::number(ductility_rule), "0",
+       "m that it lengthens at its capacity before it breaks, for `[motion]`; 0: it breaks there"}};
 }
 
 const KeyTable& grid_keys() {
@@ -176,7 +179,8 @@ std::optional<stability::BoltType> parse_type(const TableReader& table) {
                              .plate = newtons(plate),
                              .anchorage = metres(*anchorage),
                              .kind = *kind,
-                             .angle = table.word<stability::AngleLaw>("angle")};
+                             .angle = table.word<stability::AngleLaw>("angle"),
+                             .ductility = metres(table.value("ductility"))};
 }
 
 void parse_rings(const TableReader& table, const std::vector<Excavation>& excavations, stability::RingPattern ring,

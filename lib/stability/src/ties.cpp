@@ -1,12 +1,10 @@
 #include "ties.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
+#include <iterator>
 #include <optional>
 #include <utility>
 
-#include "bolt_grips.hpp"
 #include "free_faces.hpp"
 
 namespace cleave::stability {
@@ -51,28 +49,13 @@ Ties::Ties(const topology::BlockComplex& complex, const Settings& settings, cons
         target_[group.blocks[k]] = plan.target_falling;
     }
   }
-  for (const BoltResult& bolt : bolts) add_bar(bolt);
+  std::ranges::copy_if(bolts, std::back_inserter(bolts_), [](const BoltResult& b) { return b.pierced.size() > 1; });
   if (!plan.shotcrete) return;
   const double per_metre = held_per_metre(*plan.shotcrete);
   const std::function<bool(BlockId)> gone = [&](BlockId id) { return !model.present(id, 1); };
   for (const BlockId id : complex.blocks().ids()) {
     if (!complex.blocks()[id].fixed && !gone(id)) add_seams(id, per_metre, gone);
   }
-}
-
-void Ties::add_bar(const BoltResult& result) {
-  const Bolt& bolt = result.bolt;
-  Bar bar{.collar = bolt.collar, .axis = bolt.direction, .type = bolt.type, .pieces = {}};
-  for (const Pierced& p : result.pierced) {
-    const double grip = gripped_length(bolt.type, bolt.length.si(), p.from, p.to);
-    const bool plate = &p == &result.pierced.front() && bolt.type.plate > newtons(0);
-    bar.pieces.push_back({.block = p.block,
-                          .to = p.to,
-                          .grip = grip,
-                          .capacity = bond_of(bolt.type) * grip + (plate ? bolt.type.plate.si() : 0),
-                          .plate = plate});
-  }
-  if (bar.pieces.size() > 1) bars_.push_back(std::move(bar));
 }
 
 void Ties::add_seams(BlockId block, double per_metre, const std::function<bool(BlockId)>& gone) {
@@ -93,53 +76,13 @@ void Ties::add_seams(BlockId block, double per_metre, const std::function<bool(B
 
 double Ties::target(BlockId block, BlockId other) const { return std::max(target_[block], target_[other]); }
 
-double Ties::efficiency(const Bar& bar, BlockId block, BlockId behind) const {
-  if (bar.type.angle == AngleLaw::full) return 1;
-  const Vec3 apart = movement_[block] - movement_[behind];
-  const double along = -dot(apart, bar.axis);
-  const double across = norm(apart + along * bar.axis);
-  if (!(along > 0)) return 1;
-  if (bar.type.angle == AngleLaw::cosine) return along / std::hypot(along, across);
-  return 1 - std::atan2(across, along) * (2 * std::numbers::inv_pi);
-}
-
-/// Each piece pulls what it can, the outermost first and first at what lies deepest: forces that bond, plate, anchor
-/// and tendon carry all at once, whichever of the pieces move.
-void Ties::add_pulls(const Bar& bar, std::vector<Held> held, std::vector<assembly::Contact>& out) const {
-  if (held.size() < 2) return;
-  std::vector<double> tendon(held.size() - 1, bar.type.tendon.si());  // behind each piece
-  double before = 0;
-  for (std::size_t i = 0; i + 1 < held.size(); ++i) {
-    Piece& near = held[i].piece;
-    before += near.grip;
-    double behind = 0;
-    for (std::size_t j = held.size(); --j > i && near.capacity > 0;) {
-      Piece& deep = held[j].piece;
-      behind += deep.grip;
-      const bool anchored = (near.plate || anchors(bar.type, before)) && anchors(bar.type, behind);
-      if (!anchored || held[i].body == held[j].body) continue;
-      const auto crossed = std::span{tendon}.subspan(i, j - i);
-      const double force = std::min({near.capacity, deep.capacity, std::ranges::min(crossed)});
-      if (!(force > 0)) continue;
-      near.capacity -= force;
-      deep.capacity -= force;
-      for (double& left : crossed) left -= force;
-      const double counts = force * efficiency(bar, near.block, deep.block) / target(near.block, deep.block);
-      if (!(counts > 0)) continue;
-      const Vec3 at = bar.collar + near.to * bar.axis;
-      out.push_back(held[i].body ? pull_between(*held[i].body, held[j].body, -bar.axis, at, counts)
-                                 : pull_between(*held[j].body, std::nullopt, bar.axis, at, counts));
-    }
-  }
-}
-
 std::vector<BlockId> Ties::with_tied(std::vector<BlockId> blocks) const {
   std::ranges::sort(blocks);
   const std::vector<BlockId> given = blocks;
   const auto asked = [&](BlockId id) { return std::ranges::binary_search(given, id); };
-  for (const Bar& bar : bars_) {
-    if (std::ranges::none_of(bar.pieces, asked, &Piece::block)) continue;
-    for (const Piece& piece : bar.pieces) blocks.push_back(piece.block);
+  for (const BoltResult& bolt : bolts_) {
+    if (std::ranges::none_of(bolt.pierced, asked, &Pierced::block)) continue;
+    for (const Pierced& piece : bolt.pierced) blocks.push_back(piece.block);
   }
   for (const Seam& seam : seams_) {
     if (asked(seam.block)) blocks.push_back(seam.beyond);
@@ -158,21 +101,21 @@ std::vector<assembly::Contact> Ties::among(const Model& model, std::span<const B
     if (it == blocks.end() || *it != id) return std::nullopt;
     return static_cast<std::uint32_t>(it - blocks.begin());
   };
-  for (const Bar& bar : bars_) {
-    std::vector<Held> held;
-    for (const Piece& piece : bar.pieces) {
-      if (!model.present(piece.block, batch)) continue;
-      const auto body = number(piece.block);
-      if (held.empty() || held.back().body != body) {
-        held.push_back({body, piece});
-        continue;
-      }
-      Piece& own = held.back().piece;
-      own.grip += piece.grip;
-      own.capacity += piece.capacity;
-      own.to = piece.to;
+  const OwnerOf owner = [&](BlockId id) -> std::optional<std::optional<std::uint32_t>> {
+    if (!model.present(id, batch)) return std::nullopt;
+    return number(id);
+  };
+  for (const BoltResult& bolt : bolts_) {
+    const Vec3 axis = bolt.bolt.direction;
+    for (const BoltPull& pull : pulls_of(bolt, owner)) {
+      const Vec3 apart = movement_[pull.block] - movement_[pull.behind];
+      const double counts =
+          pull.force.si() * share_at_angle(bolt.bolt, apart).value_or(1) / target(pull.block, pull.behind);
+      if (!(counts > 0)) continue;
+      const Vec3 at = bolt.bolt.collar + pull.leaves * axis;
+      out.push_back(pull.body ? pull_between(*pull.body, pull.other, -axis, at, counts)
+                              : pull_between(*pull.other, std::nullopt, axis, at, counts));
     }
-    add_pulls(bar, std::move(held), out);
   }
   for (const Seam& seam : seams_) {
     const auto body = number(seam.block);

@@ -31,24 +31,6 @@ class Ties final {
   [[nodiscard]] std::vector<topology::BlockId> with_tied(std::vector<topology::BlockId> blocks) const;
 
  private:
-  /// A length of a bolt in one block.
-  struct Piece {
-    topology::BlockId block;
-    double to = 0;        ///< m from the collar
-    double grip = 0;      ///< m
-    double capacity = 0;  ///< N: bond, and plate
-    bool plate = false;
-  };
-  struct Bar {
-    geometry::Vec3 collar, axis;
-    BoltType type;
-    std::vector<Piece> pieces;
-  };
-  /// What one owner has of a bar: a body, or rock that stays.
-  struct Held {
-    std::optional<std::uint32_t> body;
-    Piece piece;
-  };
   /// An edge of a free face with sprayed concrete across it.
   struct Seam {
     topology::BlockId block, beyond;
@@ -56,14 +38,11 @@ class Ties final {
     double force = 0;  ///< N
   };
 
-  void add_bar(const BoltResult& bolt);
   void add_seams(topology::BlockId block, double per_metre, const std::function<bool(topology::BlockId)>& gone);
-  void add_pulls(const Bar& bar, std::vector<Held> held, std::vector<assembly::Contact>& out) const;
   [[nodiscard]] double target(topology::BlockId block, topology::BlockId other) const;
-  [[nodiscard]] double efficiency(const Bar& bar, topology::BlockId block, topology::BlockId behind) const;
 
   const topology::BlockComplex* complex_;
-  std::vector<Bar> bars_;
+  std::vector<BoltResult> bolts_;  ///< through more than one block
   std::vector<Seam> seams_;
   IdVector<topology::BlockId, geometry::Vec3> movement_;  ///< without support; zero: rests
   IdVector<topology::BlockId, double> target_;

@@ -134,7 +134,7 @@ struct Tie {
 };
 /// What became of a tie.
 struct TieState {
-  Force force = {};        ///< in the last step
+  Force force = {};        ///< in the last step; none of what is broken
   Length lengthened = {};  ///< at its capacity
   bool broken = false;
 };
@@ -289,6 +289,8 @@ class World final {
 
   [[nodiscard]] const std::vector<Contact>& contacts() const noexcept;
   [[nodiscard]] TieState tie(std::size_t number) const;
+  /// Takes a tie away: it counts as broken from now on.
+  void cut(std::size_t tie);
   [[nodiscard]] const Energy& energy() const noexcept;
   [[nodiscard]] Vec3 momentum() const;
   [[nodiscard]] Vec3 angular_momentum() const;  ///< about the origin

@@ -33,12 +33,21 @@ namespace cleave::scene {
 /// A block that was let go.
 struct MotionBlock {
   topology::BlockId block;
-  bool moved = false;                     ///< its centroid by more than a millimetre
-  std::optional<Time> first_motion = {};  ///< when it had moved so far
-  Length fall = {}, runout = {};          ///< of the centroid: downwards, and level
-  double fastest = 0;                     ///< speed of the centroid
-  geometry::Vec3 centroid;                ///< at the end, absolute
-  bool left = false;                      ///< left the domain and was followed no further
+  bool moved = false;                         ///< its centroid by more than a millimetre
+  std::optional<Time> first_motion = {};      ///< when it had moved so far
+  Length fall = {}, runout = {};              ///< of the centroid: downwards, and level
+  double fastest = 0;                         ///< speed of the centroid
+  geometry::Vec3 centroid;                    ///< at the end, absolute
+  bool left = false;                          ///< left the domain and was followed no further
+  std::uint64_t bolts = 0, bolts_broken = 0;  ///< that tied it to other rock
+};
+
+/// A bolt that tied a block that was let go to other rock.
+struct MotionBolt {
+  std::uint32_t bolt = 0;              ///< its place in SupportResult::bolts
+  Force largest = {};                  ///< in any step, wherever it leaves a block
+  Length lengthened = {};              ///< for good
+  std::optional<Time> broken_at = {};  ///< end of the step in which it gave, between two blocks at least
 };
 
 /// Where the blocks are at one time, in the order of `MotionResult::blocks`.
@@ -68,12 +77,16 @@ struct MotionResult {
   std::optional<Length> error = {};     ///< estimate: distance from a run with half the step
   std::optional<Time> determined = {};  ///< until then; chaotic impacts part the two runs after it
   std::vector<MotionBlock> blocks = {};
+  std::vector<MotionBolt> bolts = {};  ///< that act; by number
+  bool supported = false;              ///< the scene has bolts, and they are asked for
   std::vector<MotionFrame> frames = {};
   std::vector<std::string> notes = {};
   bool interrupted = false;  ///< `RunOptions::motion` said so
   std::string state = {};    ///< what a later run goes on from, see SavedRun
 
   [[nodiscard]] std::uint64_t moved() const noexcept;
+  [[nodiscard]] std::uint64_t bolts_broken() const noexcept;
+  [[nodiscard]] Force largest_bolt_force() const noexcept;
 };
 /// File of a result that holds its `state`.
 inline constexpr std::string_view motion_state_name = "motion.state";
@@ -104,9 +117,15 @@ void fields(V& v, const MotionResult& x) {
   v("energy", group([&](auto& w) {
       w("potential_lost", x.potential_lost, "J");
       w("kinetic", x.kinetic, "J, at the end");
-      w("dissipated", x.dissipated, "J, by friction, impacts and the scheme");
+      w("dissipated", x.dissipated, "J, by friction, impacts, bolts that yield and the scheme");
       w("relative_error", x.energy_error, "of the balance, over its largest term");
     }));
+  v("bolts", when(x.supported, group([&](auto& w) {
+                    w("acting", x.bolts.size(), "that tie a block that is let go to other rock");
+                    w("broken", x.bolts_broken());
+                    w("largest_force_n", x.largest_bolt_force(), "in a bolt, in any step");
+                  })),
+    "Bolts of `[support]`; absent without, and with motion.support = false.");
   v("momentum_relative_error", x.momentum_error);
   v("estimated_error_m", or_null(x.error ? x.error->si() : std::numeric_limits<double>::infinity()),
     "distance of corners from a run with half the step, until determined_s; null: error = false, or that run stopped");

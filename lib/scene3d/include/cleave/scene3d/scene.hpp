@@ -269,6 +269,7 @@ struct MotionSettings {
   std::optional<Time> frame = {};  ///< between two written states; empty: a fiftieth of `duration`
   double restitution = 0;
   FrictionAngle surface_friction = FrictionAngle::degrees(35);  ///< of faces that are no joints
+  bool support = true;                                          ///< bolts of [support] hold what they tie
   bool error = true;                                            ///< a second run with half the step
   std::uint32_t line = 1;                                       ///< in the scene file
 };

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <expected>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -52,6 +53,7 @@ struct BoltType {
   Length anchorage = {};  ///< gripped for a block to count
   BoltKind kind = GroutedBar{};
   AngleLaw angle = AngleLaw::full;
+  Length ductility = {};  ///< that it lengthens at its capacity before it breaks; the check does not ask for it
 };
 
 struct Bolt {
@@ -149,6 +151,24 @@ struct BoltResult {
   std::optional<std::size_t> body = {};
   double body_used = 0;
 };
+
+/// One pull that a bolt carries, from the rock nearer its collar to rock farther in. Lengths are m from the collar.
+struct BoltPull {
+  std::optional<std::uint32_t> body, other;  ///< nearer the collar, and farther in; empty: rock that stays
+  topology::BlockId block, behind;  ///< of theirs: where the bolt leaves the one and where it comes to the other
+  double leaves = 0;                ///< where it leaves `block`
+  double held = 0, anchored = 0;    ///< at the plate, else amid its grip; amid its grip farther in
+  Force force = {};                 ///< along the axis
+};
+/// To which body a block belongs. Empty: it is not there any more; empty within: it stays.
+using OwnerOf = std::function<std::optional<std::optional<std::uint32_t>>(topology::BlockId)>;
+/// Pulls that plate, bond, anchor and tendon of a bolt carry all at once, whichever of the bodies move; none between
+/// two blocks of one body. Bodies come before rock that stays and the outermost first, each first pulling at what lies
+/// deepest: a bolt that cannot hold all of them holds what is outside.
+[[nodiscard]] std::vector<BoltPull> pulls_of(const BoltResult& bolt, const OwnerOf& owner);
+/// Share of its tension that counts by the bolt's angle law where what lies nearer the collar moves at `apart` against
+/// what lies farther in. Empty: the law asks for a direction, and this movement is none that lengthens the bolt.
+[[nodiscard]] std::optional<double> share_at_angle(const Bolt& bolt, geometry::Vec3 apart);
 
 /// What brings a block to its target.
 enum class Held : std::uint8_t {
