@@ -135,7 +135,7 @@ TEST(ComplianceTest, AnOscillationHasThePeriodOfItsSpringsAndGainsNothing) {
 }
 
 /// A block of 2600 kg/m3 on a floor whose sides have more corners the more there are `pieces`.
-World block_on_springs(double width, int pieces, double kn, double ks, Vec2 push, double overhang) {
+World block_on_springs(double width, int pieces, std::optional<double> kn, double ks, Vec2 push, double overhang) {
   Laws laws = law(1);
   laws.otherwise.normal_stiffness = kn;
   laws.otherwise.shear_stiffness = ks;
@@ -180,8 +180,9 @@ TEST(StiffnessTest, AnEccentricLoadTurnsABlockOnItsSprings) {
 // A joint that is stiff in one direction only is rigid in the other, and friction bounds its shear.
 TEST(StiffnessTest, ShearsNoFartherThanFrictionLets) {
   const double weight = 2600 * g, ks = 1e8;
-  EXPECT_NEAR(block_on_springs(1, 1, 0, ks, {0.5 * weight, 0}, 0).displacement(1).x, 0.5 * weight / ks, 1e-9);
-  EXPECT_NEAR(block_on_springs(1, 1, 0, ks, {0.5 * weight, 0}, 0).displacement(1).y, 0, 1e-9);
+  EXPECT_NEAR(block_on_springs(1, 1, std::nullopt, ks, {0.5 * weight, 0}, 0).displacement(1).x, 0.5 * weight / ks,
+              1e-9);
+  EXPECT_NEAR(block_on_springs(1, 1, std::nullopt, ks, {0.5 * weight, 0}, 0).displacement(1).y, 0, 1e-9);
   Laws laws = law(0.3);
   laws.otherwise.normal_stiffness = laws.otherwise.shear_stiffness = 1e9;
   World world = make(slider(radians(30)), laws, {.step = 1e-3});

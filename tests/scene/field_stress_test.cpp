@@ -356,6 +356,16 @@ TEST(FieldStressScene, AnEnsembleCountsWhatTheStressHolds) {
   EXPECT_LT(held, 10U);
 }
 
+// Which way a section stands is that of its frame: an `up` that leans along the axis only is upright in it.
+TEST(FieldStressScene, ADirectionUpThatLeansAlongTheAxisStandsUpright) {
+  const auto with_up = [](std::string_view up) {
+    std::string text = roof("[0, 0, 0, 0, 0, 0]", 0, "gradient = [1e3, 1e3, 1e3, 0, 0, 0]\n");
+    return text.insert(text.find("[field_stress]"), fmt::format("up = {}\n", up));
+  };
+  EXPECT_TRUE(scene_of(with_up("[0, 0.5, 1]")).field_stress.has_value());
+  EXPECT_NE(error_of(with_up("[0.5, 0, 1]")).find("needs a level tunnel with a vertical section"), std::string::npos);
+}
+
 TEST(FieldStressScene, MistakesAreNamed) {
   const auto wrong = [](std::string_view stress, std::string_view more) { return error_of(roof(stress, 0, more)); };
   EXPECT_NE(wrong("[1, 2]", "").find("field_stress.stress: must be 6 numbers"), std::string::npos);
