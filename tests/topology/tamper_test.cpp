@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "complexes.hpp"
 #include "workloads.hpp"
@@ -17,7 +19,20 @@ using topology::FaceId;
 using topology::VertexId;
 using Data = BlockComplex::Data;
 
-/// 27 blocks; block systems with concave blocks, holes and cavities.
+/// A column of 14 sides in a box: blocks of 28 and 36 corners.
+topology::CutInput column() {
+  topology::CutInput input = scene(box({0, 0, 0}, {4, 4, 4}));
+  const auto corner = [](int k, double z) {
+    const double angle = 2 * std::numbers::pi * (k % 14) / 14;
+    return geometry::Vec3{2 + 1.25 * std::cos(angle), 2 + 1.25 * std::sin(angle), z};
+  };
+  for (int k = 0; k < 14; ++k) {
+    input.joints.emplace_back(joint({corner(k, -1), corner(k + 1, -1), corner(k + 1, 5), corner(k, 5)}));
+  }
+  return input;
+}
+
+/// 27 blocks; block systems with concave blocks, holes, cavities and many corners.
 std::vector<topology::CutInput> sound_scenes() {
   auto grid = support::cut_input(support::workload_named("grid-3").value());
   auto cavity = support::cut_input(support::workload_named("deg-cavity").value());
@@ -26,7 +41,7 @@ std::vector<topology::CutInput> sound_scenes() {
       scene(box({0, 0, 0}, {4, 4, 4}), {rectangle(2, 2, {-1, -1}, {5, 5}), rectangle(1, 1.5, {-1, -1}, {5, 2})},
             {box({1, 1, -1}, {3, 3, 5})});
   auto random = support::cut_input(support::workload_named("rect-13").value());
-  return {grid, cavity, ring, shaft, random};
+  return {grid, cavity, ring, shaft, random, column()};
 }
 
 void expect_noticed(const std::function<bool(Data&)>& change, const char* what) {

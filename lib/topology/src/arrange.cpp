@@ -291,7 +291,7 @@ class Arranger {
   struct Around {
     Index first, last;
   };
-  std::vector<Around> around_;   ///< none but of the vertices `reached_`
+  std::vector<Around> around_;  ///< none but of the vertices `reached_`
   std::vector<Index> reached_;
   std::vector<Loop> loops_;
   std::vector<PlaneFace> faces_;

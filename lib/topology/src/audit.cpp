@@ -14,14 +14,15 @@
 namespace cleave::topology {
 namespace {
 
-/// Patches between two blocks in one plane whose areas are not matched from the other side.
-std::uint64_t count_unpaired(const BlockComplex& complex, ThreadLimit threads) {
+/// Patches between two blocks in one plane whose areas are not matched from the other side; of pairs whose lower block
+/// is one of [from, to).
+std::uint64_t count_unpaired(const BlockComplex& complex, std::size_t from, std::size_t to, ThreadLimit threads) {
   struct Pair {
     std::uint32_t high, plane;
     double area;  ///< of the lower block's patches less those of the higher one's
   };
   const std::size_t blocks = complex.blocks().size();
-  std::vector<std::uint32_t> begin(blocks + 1, 0);  // by lower block (CSR)
+  std::vector<std::uint32_t> begin(to - from + 1, 0);  // by lower block (CSR)
   const bool alone = threads.count() == 1;
   const auto count = [alone](std::uint32_t& number) {  // gives the number before
     return alone ? number++ : std::atomic_ref{number}.fetch_add(1, std::memory_order_relaxed);
@@ -37,21 +38,23 @@ std::uint64_t count_unpaired(const BlockComplex& complex, ThreadLimit threads) {
   };
   std::atomic<std::uint64_t> found{0};
   for_each([&](FaceId, Area, std::uint32_t a, std::uint32_t b) {
-    if (std::max(a, b) < blocks) {
-      count(begin[std::min(a, b) + std::size_t{1}]);
-    } else {
-      ++found;
+    const std::size_t low = std::min(a, b);
+    if (std::max(a, b) >= blocks) {
+      if (from == 0) ++found;
+    } else if (low >= from && low < to) {
+      count(begin[low - from + 1]);
     }
   });
   for (std::size_t k = 1; k < begin.size(); ++k) begin[k] += begin[k - 1];
   std::vector<Pair> pairs(begin.back());
   auto next = begin;
   for_each([&](FaceId face, Area area, std::uint32_t a, std::uint32_t b) {
-    if (std::max(a, b) >= blocks) return;
-    pairs[count(next[std::min(a, b)])] = {std::max(a, b), complex.faces().plane(face).value(),
-                                          a < b ? area.si() : -area.si()};
+    const std::size_t low = std::min(a, b);
+    if (std::max(a, b) >= blocks || low < from || low >= to) return;
+    pairs[count(next[low - from])] = {std::max(a, b), complex.faces().plane(face).value(),
+                                      a < b ? area.si() : -area.si()};
   });
-  detail::in_pieces(blocks, 4096, threads, [&](std::size_t first_block, std::size_t last_block) {
+  detail::in_pieces(to - from, 4096, threads, [&](std::size_t first_block, std::size_t last_block) {
     std::uint64_t here = 0;
     for (std::size_t b = first_block; b < last_block; ++b) {
       const std::span own = std::span{pairs}.subspan(begin[b], begin[b + 1] - begin[b]);
@@ -138,7 +141,9 @@ std::expected<AuditedComplex, Certificate> audit(BlockComplex complex, unsigned 
     }
     volume.add(m.volume);
   }
-  certificate.unpaired_patches = count_unpaired(complex, threads);
+  const std::size_t half = blocks - blocks / 2;  // one after the other in half the memory
+  certificate.unpaired_patches = count_unpaired(complex, 0, half, threads);
+  if (half < blocks) certificate.unpaired_patches += count_unpaired(complex, half, blocks, threads);
   if (certificate.unpaired_patches > 0) {
     for (const BlockId block : detail::unpaired_blocks(complex)) named.add(block);
   }

@@ -67,16 +67,11 @@ Block BlockMaker::make(Index block) {
   const std::span half_faces = std::span{parts_.half_faces}.subspan(
       parts_.begin[block], parts_.begin[block + std::size_t{1}] - parts_.begin[block]);
   CLEAVE_ASSERT(!half_faces.empty());
-  group_faces(half_faces);
-  sides_.clear();
-  loops_.clear();
-  loops_begin_.clear();
-  const auto faces = static_cast<Index>(face_begin_.size() - 1);
-  for (Index face = 0; face < faces; ++face) {
-    loops_begin_.push_back(static_cast<Index>(loops_.size()));
-    for (Index k = face_begin_[face]; k < face_begin_[face + 1]; ++k) walk_loops(members_[k], face);
+  if (!walk_faces_alone(half_faces)) {
+    group_faces(half_faces);
+    walk_faces();
   }
-  loops_begin_.push_back(static_cast<Index>(loops_.size()));
+  const auto faces = static_cast<Index>(face_begin_.size() - 1);
   pair_sides();
   find_shells();
   count_vertices();
@@ -121,6 +116,63 @@ void BlockMaker::pack_faces() {
       packer_.add(made, own);
     }
   }
+}
+
+/// Nearly always each half-face is a face: then its loops are those of the plane face. False where some half-face goes
+/// straight on into another one, or into itself.
+bool BlockMaker::walk_faces_alone(std::span<const Index> half_faces) {
+  if (!parts_.sheets.empty()) return false;
+  const std::vector<Index>&next = parts_.arrangement.next, &starts = parts_.arrangement.start;
+  begin_walk();
+  members_.assign(half_faces.begin(), half_faces.end());
+  face_begin_.resize(half_faces.size() + 1);
+  std::iota(face_begin_.begin(), face_begin_.end(), Index{0});
+  any_internal_ = false;
+  for (Index face = 0; face < half_faces.size(); ++face) {
+    loops_begin_.push_back(static_cast<Index>(loops_.size()));
+    const Index side = half_faces[face] % 2;
+    const PlaneFace& part = parts_.arrangement.faces[half_faces[face] / 2];
+    for (Index l = part.first_loop; l < part.first_loop + part.loop_count; ++l) {
+      const Index start = parts_.arrangement.loops[l];
+      const auto first = static_cast<Index>(sides_.size());
+      Index h = start;
+      do {
+        const Index flank = 2 * h + side, to = links_[flank];
+        if (to == (flank ^ 2U) && internal(flank)) return false;
+        const Index after = next[h];
+        sides_.push_back({flank, starts[side == 1 ? after : h], 0, to, face, false});
+        h = after;
+      } while (h != start);
+      close_loop(first, side == 0);
+    }
+  }
+  loops_begin_.push_back(static_cast<Index>(loops_.size()));
+  half_edges_ = sides_.size();
+  return true;
+}
+
+void BlockMaker::begin_walk() {
+  sides_.clear();
+  loops_.clear();
+  loops_begin_.clear();
+}
+
+/// Of the sides from `first` on, each followed by the next one; `backwards`: by the one before.
+void BlockMaker::close_loop(Index first, bool backwards) {
+  const auto last = static_cast<Index>(sides_.size());
+  if (backwards) std::reverse(sides_.begin() + first, sides_.end());
+  for (Index k = first; k < last; ++k) sides_[k].next = k + 1;
+  sides_.back().next = first;
+  loops_.push_back({first, last - first});
+}
+
+void BlockMaker::walk_faces() {
+  begin_walk();
+  for (Index face = 0; face + 1 < face_begin_.size(); ++face) {
+    loops_begin_.push_back(static_cast<Index>(loops_.size()));
+    for (Index k = face_begin_[face]; k < face_begin_[face + 1]; ++k) walk_loops(members_[k], face);
+  }
+  loops_begin_.push_back(static_cast<Index>(loops_.size()));
 }
 
 /// Half-faces that go straight on into one another are one face; faces in the order of their first half-faces.
@@ -203,24 +255,14 @@ void BlockMaker::walk_loop(Index start, Index face) {
   // positive side goes the other way round.
   Index flank = start;
   do {
-    const auto at = static_cast<Index>(sides_.size());
     Index h = flank / 2;
-    sides_.push_back({flank, parts_.arrangement.start[side == 1 ? h ^ 1U : h], at + 1, links_[flank], face, false});
+    sides_.push_back({flank, parts_.arrangement.start[side == 1 ? h ^ 1U : h], 0, links_[flank], face, false});
     links_[flank] |= walked;
     h = parts_.arrangement.next[h];
     while (any_internal_ && internal(2 * h + side)) h = parts_.arrangement.next[h ^ 1U];
     flank = 2 * h + side;
   } while (flank != start);
-  const auto count = static_cast<Index>(sides_.size()) - first;
-  if (side == 1) {
-    sides_.back().next = first;
-  } else {
-    std::reverse(sides_.begin() + first, sides_.end());
-    for (Index k = first; k < first + count; ++k) {
-      sides_[k].next = k + 1 < first + count ? k + 1 : first;
-    }
-  }
-  loops_.push_back({first, count});
+  close_loop(first, side == 0);
 }
 
 /// Counter-clockwise seen from outside the block, from piece to piece of a folded polygon, whose planes may have their
@@ -233,16 +275,14 @@ void BlockMaker::walk_folded_loop(Index start, Index face) {
   };
   Index flank = start;
   do {
-    const auto at = static_cast<Index>(sides_.size());
     const Index h = flank / 2;
     const Index head = parts_.arrangement.start[flank % 2 == 1 ? h ^ 1U : h];
-    sides_.push_back({flank, head, at + 1, links_[flank], face, false});
+    sides_.push_back({flank, head, 0, links_[flank], face, false});
     links_[flank] |= walked;
     flank = after(flank);
     while (any_internal_ && internal(flank)) flank = after(link(flank));
   } while (flank != start);
-  sides_.back().next = first;
-  loops_.push_back({first, static_cast<Index>(sides_.size()) - first});
+  close_loop(first, false);
 }
 
 void BlockMaker::pair_sides() {
@@ -381,8 +421,8 @@ void BlockMaker::measure_alone(Face& made, Index half_face, const Nature& nature
   made.area = square_metres(metres.area);
   made.centroid = metres.centroid;
   // A sliver may seem to turn the other way in doubles.
-  const Vec3 own = m.area > 0 ? made.centroid
-                              : parts_.centre(parts_.apex(half_face / 2), Vec3{} + moment3(m) / 3, std::abs(m.area));
+  const Vec3 own =
+      m.area > 0 ? made.centroid : parts_.centre(parts_.apex(half_face / 2), Vec3{} + moment3(m) / 3, std::abs(m.area));
   patches_.push_back({made.joint, neighbour(half_face, nature.role), made.area, own});
 }
 

@@ -60,9 +60,8 @@ std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOption
   graph.let_approximations_go();
   std::vector<FaceMeasure> measures = measure_faces(prepared, arrangement, positions, threads);
   Cells cells = find_cells(prepared, graph, arrangement, positions, measures, threads);
-  BlockComplex::Packed packed =
-      assemble(input, prepared, graph, arrangement, std::move(cells), positions, std::move(measures), threads, nullptr,
-               &graph);
+  BlockComplex::Packed packed = assemble(input, prepared, graph, arrangement, std::move(cells), positions,
+                                         std::move(measures), threads, nullptr, &graph);
   BlockComplex::Data& data = packed.rest;
   if (data.blocks.empty()) return std::unexpected(CutError{DomainSwallowed{}});
   data.report.intersections = intersections;

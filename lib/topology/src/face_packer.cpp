@@ -148,7 +148,6 @@ void FacePacker::put_measures(std::vector<FaceMeasure> of_plane_faces) {
     number[f] = count++;
   }
   of_plane_faces.resize(count);
-  of_plane_faces.reserve(count + out_.measures_.size());
   of_plane_faces.insert(of_plane_faces.end(), out_.measures_.begin(), out_.measures_.end());
   out_.measures_ = std::move(of_plane_faces);
   if (count < plane_faces_) {

@@ -85,7 +85,8 @@ class Sorter {
       const OnLine& on = classes_.on[k];
       if (on.corner != none && again(on)) continue;
       const Vertex& v = classes_.crossings.vertices[on.vertex];
-      const Sign sense = signs_.det3(exact::meet(line.approx, signs_.plane(on.transversal)), line.p, line.q, on.transversal);
+      const Sign sense =
+          signs_.det3(exact::meet(line.approx, signs_.plane(on.transversal)), line.p, line.q, on.transversal);
       CLEAVE_ASSERT(sense != Sign::zero);
       // Doubles may say nothing about a vertex of nearly parallel planes: the exact comparison below decides then.
       const double t = v.approx.w != 0 ? dot(v.approx.x, line.approx.m) / v.approx.w : 0;

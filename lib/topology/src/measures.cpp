@@ -8,7 +8,10 @@ namespace cleave::topology::detail {
 std::vector<FaceMeasure> measure_faces(const Prepared& prepared, const Arrangement& arrangement,
                                        const std::vector<Vec>& positions, ThreadLimit threads) {
   using geometry::Vec3;
-  std::vector<FaceMeasure> measures(arrangement.faces.size());
+  std::vector<FaceMeasure> measures;
+  // Those of faces that are several plane faces come behind them.
+  measures.reserve(arrangement.faces.size() + arrangement.faces.size() / 4);
+  measures.resize(arrangement.faces.size());
   const auto point = [&](Index half_edge) {
     const Vec& p = positions[arrangement.start[half_edge]];
     return Vec3{p[0], p[1], p[2]};

@@ -33,13 +33,11 @@ class BlockAuditor final {
     loops_ = 0;
     for (const std::uint32_t v : known_) local_[v] = unset;
     known_.clear();
-    first_record_.clear();
     const auto local = [&](VertexId v) {
       std::uint32_t& number = local_[v.index()];
       if (number == unset) {
         number = static_cast<std::uint32_t>(known_.size());
         known_.push_back(v.value());
-        first_record_.push_back(unset);
       }
       return number;
     };
@@ -103,6 +101,7 @@ class BlockAuditor final {
  private:
   using Vec3 = geometry::Vec3;
   static constexpr std::uint32_t unset = UINT32_MAX;
+  static constexpr std::size_t few_vertices = 24;
 
   /// Of one shell.
   struct Sum {
@@ -142,7 +141,9 @@ class BlockAuditor final {
   /// Each side needs one in the opposite direction. Where the boundary touches itself along an edge there are several:
   /// the partner of a face is then the next one met when turning from it through the inside of the block.
   bool pair_sides() {
+    if (known_.size() <= few_vertices) return pair_by_table();
     records_.clear();
+    first_record_.assign(known_.size(), unset);
     bool several = false;
     for (std::uint32_t s = 0; s < sides_.size() && !several; ++s) {
       const std::uint32_t low = std::min(sides_[s].from, sides_[s].to), high = std::max(sides_[s].from, sides_[s].to);
@@ -162,6 +163,23 @@ class BlockAuditor final {
       if (r.forward == unset || r.backward == unset) return false;
       sides_[r.forward].partner = r.backward;
       sides_[r.backward].partner = r.forward;
+    }
+    return true;
+  }
+
+  /// The same for a block of few vertices: side number + 1 of each pair of them, 0 where there is none.
+  bool pair_by_table() {
+    const std::size_t vertices = known_.size();
+    table_.assign(vertices * vertices, 0);
+    for (std::uint32_t s = 0; s < sides_.size(); ++s) {
+      std::uint32_t& own = table_[sides_[s].from * vertices + sides_[s].to];
+      if (own != 0 || sides_[s].from == sides_[s].to) return pair_groups();
+      own = s + 1;
+    }
+    for (AuditSide& side : sides_) {
+      const std::uint32_t back = table_[side.to * vertices + side.from];
+      if (back == 0) return false;
+      side.partner = back - 1;
     }
     return true;
   }
@@ -270,6 +288,7 @@ class BlockAuditor final {
   std::vector<std::uint32_t> known_;  ///< vertices of the block
   std::vector<std::uint32_t> first_record_;
   std::vector<Record> records_;
+  std::vector<std::uint32_t> table_;
   std::vector<AuditSide> sides_;
   std::vector<std::uint32_t> parent_;
   std::vector<Sum> sums_;

@@ -106,7 +106,11 @@ class BlockMaker final {
   };
   static constexpr Index walked = Index{1} << 31U;  // flanks have smaller numbers
 
+  [[nodiscard]] bool walk_faces_alone(std::span<const Index> half_faces);
+  void begin_walk();
+  void close_loop(Index first, bool backwards);
   void group_faces(std::span<const Index> half_faces);
+  void walk_faces();
   void walk_loops(Index half_face, Index face);
   void walk_loop(Index start, Index face);
   void walk_folded_loop(Index start, Index face);

@@ -133,8 +133,8 @@ struct Arrangement {
 [[nodiscard]] Arrangement arrange(const Prepared& prepared, const Traces& traces, const Graph& graph,
                                   const std::vector<Vec>& positions, Signs& signs, ThreadLimit threads);
 
-/// Until blocks are made, a measure of a plane face is its area (units^2) and, in the place of the centroid, three times
-/// the first moment of area about the start of its first loop (units^3); a unit is 2^48 sites.
+/// Until blocks are made, a measure of a plane face is its area (units^2) and, in the place of the centroid, three
+/// times the first moment of area about the start of its first loop (units^3); a unit is 2^48 sites.
 [[nodiscard]] inline const geometry::Vec3& moment3(const FaceMeasure& measure) noexcept { return measure.centroid; }
 [[nodiscard]] std::vector<FaceMeasure> measure_faces(const Prepared& prepared, const Arrangement& arrangement,
                                                      const std::vector<Vec>& positions, ThreadLimit threads);
