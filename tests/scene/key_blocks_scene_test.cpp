@@ -133,6 +133,10 @@ TEST(KeyBlocksScene, TheSearchFindsTheWidestPatternThatPasses) {
   EXPECT_GT(found.failing_share[1], 0);
   EXPECT_NEAR(found.spacing[0], found.scale, 1e-12);
   EXPECT_TRUE(found.governing.has_value());
+  EXPECT_GT(found.failing, 0U);
+  EXPECT_TRUE(std::ranges::any_of(r.notes, [&](const std::string& n) {
+    return n.contains(fmt::format("miss a target at {} of 40 random offsets", found.failing));
+  }));
   EXPECT_EQ(r.designs[0].failing, r.designs[0].offsets);
   // The same seed, the same offsets.
   const RunResult again = result_of(slope(
