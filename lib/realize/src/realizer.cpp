@@ -215,7 +215,8 @@ Realizer::Done Realizer::judge() {
   made_.tapered = stability::held_by_taper(complex, with, *made_.analysis);
   if (made_.key_groups) {
     for (const stability::KeyGroup& group : made_.key_groups->groups) {
-      std::erase_if(made_.tapered, [&](const auto& row) { return std::ranges::contains(group.blocks, row.block); });
+      std::erase_if(made_.tapered,
+                    [&](const auto& row) { return std::ranges::binary_search(group.blocks, row.block); });
     }
   }
   hold_by_border(with);
