@@ -94,12 +94,12 @@ TEST(LoadsSceneTest, CombinedWaterPressesNowhereLessThanEither) {
                              "[[load]]\nname = \"part\"\ncombine = { rain = 0.5 }\n"));
   };
   const Scene scene = with("");
-  const auto& both = scene.stability->cases.at(1).loads.water;
+  const auto& both = scene.stability->cases.at(1).loads.actions.spec().water;
   ASSERT_TRUE(both.has_value());
   EXPECT_EQ(both->level, 5);
   EXPECT_EQ(both->unit_weight.si(), 9810);
   EXPECT_TRUE(both->on_free_faces);
-  EXPECT_EQ(scene.stability->cases.at(2).loads.water->unit_weight.si(), 4905);
+  EXPECT_EQ(scene.stability->cases.at(2).loads.actions.spec().water->unit_weight.si(), 4905);
   const auto said = [](const Scene& s) {
     return std::ranges::count_if(s.notes, [](const Problem& note) {
       return note.what == "makes water lighter than that of [stability], whose place it takes";

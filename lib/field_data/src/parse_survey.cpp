@@ -421,8 +421,8 @@ std::expected<SurveyScene, std::vector<Problem>> parse_survey(string_view text, 
   scene.input.seed = static_cast<std::uint64_t>(root.count("seed"));
   scene.input.confidence = root.value("confidence");
   scene.input.weight_cap = root.value("weight_cap");
-  if (const auto clusters = static_cast<std::uint64_t>(root.count("clusters")); clusters > 0) {
-    scene.input.clusters = clusters;
+  if (const std::int64_t clusters = root.count("clusters"); clusters > 0) {
+    scene.input.clusters = static_cast<std::size_t>(clusters);
   }
   context.north = root.value("north");
 

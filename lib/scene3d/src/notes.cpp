@@ -80,23 +80,25 @@ void note_sets_without_friction(const Scene& scene, const TableReader& root) {
 
 /// Tables below all of the rock: a depth where a level is asked for.
 void note_dry_tables(const Scene& scene, const TableReader& root) {
-  const geometry::Vec3 down = scene.stability->gravity;
+  const geometry::Vec3 down = scene.stability->loads.body.gravity();
   if (down == geometry::Vec3{}) return;
   double lowest = std::numeric_limits<double>::infinity();
   for (const geometry::Vec3 v : scene.domain.vertices()) {
     lowest = std::min(lowest, 0 - geometry::dot(v, down) / geometry::norm(down));
   }
   const auto look = [&](const LoadSet& loads) {
-    if (!loads.water || loads.water_level || !(loads.water->level <= lowest)) return;
-    root.problems().note(loads.line, "water.table",
-                         fmt::format("is {:g}, below all of the rock (from {:g} on), so that nothing is wet",
-                                     loads.water->level, lowest),
-                         "give the level of the table in the coordinates of the scene, not its depth");
+    const auto& water = loads.actions.spec().water;
+    if (!water || loads.water_level || !(water->level <= lowest)) return;
+    root.problems().note(
+        loads.line, "water.table",
+        fmt::format("is {:g}, below all of the rock (from {:g} on), so that nothing is wet", water->level, lowest),
+        "give the level of the table in the coordinates of the scene, not its depth");
   };
   look(scene.stability->loads);
-  const auto& base = scene.stability->loads.water;
+  const auto& base = scene.stability->loads.actions.spec().water;
   for (const LoadCase& load : scene.stability->cases) {
-    if (!base || !load.loads.water || base->level != load.loads.water->level) look(load.loads);
+    const auto& own = load.loads.actions.spec().water;
+    if (!base || !own || base->level != own->level) look(load.loads);
   }
 }
 

@@ -252,7 +252,7 @@ ParsedStability parse_stability(const Context& context, const TableReader& root,
       } else {
         gravity = {0, 0, -table.value("gravity")};
       }
-      if (settings.gravity == geometry::Vec3{}) {
+      if (gravity == geometry::Vec3{}) {
         table.note("gravity", "is 0, so that blocks have no weight", "that of the earth is 9.81");
       }
     }
