@@ -13,23 +13,12 @@
 #include "cleave/core/rng.hpp"
 #include "cleave/realize/monte_carlo.hpp"
 #include "cleave/realize/run.hpp"
-#include "parse_support.hpp"
+#include "run_scene.hpp"
 
 // Sizes of blocks and how much of each set is in the rock, against boxes by hand and products of exponential gaps.
 
 namespace cleave::scene::test::block_sizes_test {
 namespace {
-
-RunResult run_of(const std::string& text) {
-  const Scene scene = scene_of(text);
-  StageTimer timer;
-  Progress progress{ProgressStyle::quiet};
-  auto result = run(scene, {.threads = 1}, timer, progress);
-  if (!result) {
-    for (const Problem& problem : result.error()) ADD_FAILURE() << describe(problem);
-  }
-  return std::move(result).value();
-}
 
 std::string box_of_sides(double x, double y, double z) {
   return fmt::format("schema = 1\n[domain]\nbox = {{ min = [0, 0, 0], max = [{}, {}, {}] }}\n", x, y, z);

@@ -5,23 +5,13 @@
 
 #include "cleave/realize/run.hpp"
 #include "cleave/scene/plan.hpp"
-#include "parse_support.hpp"
+#include "run_scene.hpp"
 
 // Slopes, benches, terrain and excavation in stages, from the text of a scene to its figures.
 
 namespace cleave::scene::test {
 namespace {
 
-RunResult run_of(const std::string& text, const Files& files = {}) {
-  const Scene scene = scene_of(text, files);
-  StageTimer timer;
-  Progress progress{ProgressStyle::quiet};
-  auto result = run(scene, {.threads = 1}, timer, progress);
-  if (!result) {
-    for (const Problem& problem : result.error()) ADD_FAILURE() << describe(problem);
-  }
-  return std::move(result).value();
-}
 double rock_of(const RunResult& result) { return result.complex.value().complex().rock_volume().si(); }
 std::size_t blocks_of(const RunResult& result) { return result.complex.value().complex().blocks().size(); }
 

@@ -12,22 +12,12 @@
 #include "cleave/realize/monte_carlo.hpp"
 #include "cleave/realize/run.hpp"
 #include "cleave/stochastic/ensemble.hpp"
-#include "parse_support.hpp"
+#include "run_scene.hpp"
 
 namespace cleave::scene::test {
 namespace {
 
 using std::numbers::pi;
-
-RunResult result_of(const std::string& text) {
-  StageTimer timer;
-  Progress progress{ProgressStyle::quiet};
-  auto result = run(scene_of(text), {}, timer, progress);
-  if (!result) {
-    for (const Problem& problem : result.error()) ADD_FAILURE() << describe(problem);
-  }
-  return std::move(result).value();
-}
 
 constexpr double radius = 3, apex = 4.5, length = 4, density = 2700, gravity = 9.81, nu = 0.25;
 
@@ -127,7 +117,7 @@ std::vector<double> sorted_forces(const ClampedBlock& block) {
 
 TEST(FieldStressScene, ForcesOnTheFacesOfARoofBlockAreKirschs) {
   // Horizontal stress three times the vertical one: the roof is clamped.
-  const RunResult r = result_of(roof("[-6e6, -5e6, -2e6, 0, 0, 0]"));
+  const RunResult r = run_of(roof("[-6e6, -5e6, -2e6, 0, 0, 0]"));
   const ClampedBlock& block = only_block(r);
   ASSERT_EQ(block.planes.size(), 4U);
   const double exact = on_face(-6e6, -2e6);
@@ -169,7 +159,7 @@ TEST(FieldStressScene, ForcesOnTheFacesOfARoofBlockAreKirschs) {
 TEST(FieldStressScene, APrismWiderThanItsFrictionIsSqueezedOut) {
   for (const auto& [friction, held] : {std::pair{25.0, false}, {29.0, false}, {35.0, true}}) {
     for (const std::string_view more : {"", "stiffness_ratio = 1\n", "stiffness_ratio = 50\n"}) {
-      const RunResult r = result_of(roof("[-6e6, -5e6, -2e6, 0, 0, 0]", 0, more, 0, 0, friction, 0));
+      const RunResult r = run_of(roof("[-6e6, -5e6, -2e6, 0, 0, 0]", 0, more, 0, 0, friction, 0));
       EXPECT_EQ(only_block(r).factor_of_safety >= 1, held) << friction << " " << more;
       EXPECT_EQ(r.field_stress->held, held ? 1U : 0U);
       EXPECT_LT(only_block(r).factor_of_safety, std::tan(friction * pi / 180) / std::tan(pi / 6));
@@ -179,7 +169,7 @@ TEST(FieldStressScene, APrismWiderThanItsFrictionIsSqueezedOut) {
 
 TEST(FieldStressScene, StressAlongTheAxisFollowsInPlaneStrain) {
   // Equal stress across: the in-plane sum stays as it was, so the axial stress does too, all over the end faces.
-  const RunResult r = result_of(roof("[-4e6, -1e6, -4e6, 0, 0, 0]"));
+  const RunResult r = run_of(roof("[-4e6, -1e6, -4e6, 0, 0, 0]"));
   const ClampedBlock& block = only_block(r);
   for (const ClampedPlane& plane : block.planes) {
     if (std::abs(r.complex->complex().faces()[plane.face].outward.y) < 0.5) continue;
@@ -189,7 +179,7 @@ TEST(FieldStressScene, StressAlongTheAxisFollowsInPlaneStrain) {
 }
 
 TEST(FieldStressScene, VerticalStressAlonePullsTheRoofApart) {
-  const RunResult r = result_of(roof("[0, 0, -3e6, 0, 0, 0]"));
+  const RunResult r = run_of(roof("[0, 0, -3e6, 0, 0, 0]"));
   const ClampedBlock& block = only_block(r);
   const double exact = on_face(0, -3e6);
   EXPECT_LT(exact, 0);
@@ -206,10 +196,10 @@ TEST(FieldStressScene, VerticalStressAlonePullsTheRoofApart) {
 TEST(FieldStressScene, ATurnedSceneHasTheSameForces) {
   // Stress at an angle to the tunnel: shear along the axis, which the plane problem does not hold.
   const double a = 30 * pi / 180, c = std::cos(a), s = std::sin(a);
-  const auto straight = sorted_forces(only_block(result_of(roof("[-6e6, -3e6, -2e6, 1.5e6, 0.5e6, 0]"))));
+  const auto straight = sorted_forces(only_block(run_of(roof("[-6e6, -3e6, -2e6, 1.5e6, 0.5e6, 0]"))));
   // Rotated clockwise by `a`: x' = (c, -s), y' = (s, c).
   const double xx = -6e6, yy = -3e6, xy = 1.5e6, yz = 0.5e6;
-  const auto turned = sorted_forces(only_block(result_of(roof(
+  const auto turned = sorted_forces(only_block(run_of(roof(
       fmt::format("[{}, {}, -2e6, {}, {}, {}]", c * c * xx + 2 * c * s * xy + s * s * yy,
                   s * s * xx - 2 * c * s * xy + c * c * yy, (yy - xx) * c * s + xy * (c * c - s * s), c * yz, s * yz),
       30))));
@@ -222,7 +212,7 @@ TEST(FieldStressScene, ShearAlongTheAxisPressesOnObliqueFaces) {
   // Undisturbed shear xy along a tunnel in y: around the hole xy is tau (1 - a^2 (x^2 - z^2) / r^4).
   const double skew = 30, angle = skew * pi / 180, tau = 2e6;
   const auto on_skewed = [&](double shear) {
-    const RunResult r = result_of(roof(fmt::format("[-6e6, -5e6, -2e6, {}, 0, 0]", shear), 0, "", 0, skew));
+    const RunResult r = run_of(roof(fmt::format("[-6e6, -5e6, -2e6, {}, 0, 0]", shear), 0, "", 0, skew));
     std::vector<double> out;
     for (const ClampedPlane& plane : only_block(r).planes) {
       if (std::abs(r.complex->complex().faces()[plane.face].outward.z) < 1e-6) out.push_back(plane.normal_force.si());
@@ -252,7 +242,7 @@ TEST(FieldStressScene, DeepBelowTheGroundTheHalfPlaneIsThePlane) {
   // 300 m deep: the surface is a hundred radii away.
   const double weight = density * gravity, down = -300 * weight;
   const auto forces = [&](std::string_view more, double level) {
-    return sorted_forces(only_block(result_of(roof(fmt::format("[{0}, {0}, {0}, 0, 0, 0]", level), 0, more, -300))));
+    return sorted_forces(only_block(run_of(roof(fmt::format("[{0}, {0}, {0}, 0, 0, 0]", level), 0, more, -300))));
   };
   const auto plane = forces("", down);
   const auto half = forces(fmt::format("gradient = [{0}, {0}, {0}, 0, 0, 0]\nsurface = 0\n", weight), 0);
@@ -271,8 +261,8 @@ std::string across(double y, std::string_view more = "") {
 // The section of one tunnel knows nothing of a second one: nearer than two widths of it (12 m) no factor is given.
 TEST(FieldStressScene, NothingIsSaidNearAnotherOpening) {
   const std::string stress = "[-6e6, -5e6, -2e6, 0, 0, 0]";
-  const RunResult alone = result_of(roof(stress));
-  const RunResult near = result_of(roof(stress, 0, across(14)));
+  const RunResult alone = run_of(roof(stress));
+  const RunResult near = run_of(roof(stress, 0, across(14)));
   ASSERT_TRUE(near.field_stress.has_value());
   EXPECT_EQ(near.field_stress->tunnels, (std::vector<std::string>{"tunnel", "across"}));
   EXPECT_TRUE(near.field_stress->blocks.empty());
@@ -281,14 +271,14 @@ TEST(FieldStressScene, NothingIsSaidNearAnotherOpening) {
   EXPECT_TRUE(std::ranges::any_of(near.notes, [](const std::string& n) {
     return n.starts_with("field stress: 1 block that would move is nearer");
   }));
-  const RunResult far = result_of(roof(stress, 0, across(18)));
+  const RunResult far = run_of(roof(stress, 0, across(18)));
   EXPECT_EQ(far.field_stress->undecided, 0U);
   EXPECT_EQ(only_block(far).factor_of_safety, only_block(alone).factor_of_safety);
   // A heading and the ground are no part of the section either.
   std::string heading = roof(stress);
   heading.replace(heading.find("[0, 20, 0]]"), 11, "[0, 13, 0]]");
-  EXPECT_EQ(result_of(heading).field_stress->undecided, 1U);
-  EXPECT_EQ(result_of(roof(stress, 0, "[stability]\nfree = [\"top\"]\n")).field_stress->undecided, 1U);
+  EXPECT_EQ(run_of(heading).field_stress->undecided, 1U);
+  EXPECT_EQ(run_of(roof(stress, 0, "[stability]\nfree = [\"top\"]\n")).field_stress->undecided, 1U);
 }
 
 TEST(FieldStressScene, StiffnessesOfTheSetsTakeThePlaceOfTheirRatio) {
@@ -304,11 +294,11 @@ TEST(FieldStressScene, StiffnessesOfTheSetsTakeThePlaceOfTheirRatio) {
                       "normal_stiffness = {}\nshear_stiffness = {}\n",
                       normal, shear, end_normal, end_shear);
   };
-  const auto ratio = result_of(roof("[-5e4, -5e4, -2e4, 0, 0, 0]", 0, "stiffness_ratio = 8\n"));
-  const auto same = result_of(with_sets(8e9, 1e9, 8e9, 1e9));
+  const auto ratio = run_of(roof("[-5e4, -5e4, -2e4, 0, 0, 0]", 0, "stiffness_ratio = 8\n"));
+  const auto same = run_of(with_sets(8e9, 1e9, 8e9, 1e9));
   EXPECT_NEAR(only_block(same).factor_of_safety / only_block(ratio).factor_of_safety, 1, 1e-9);
   // Of unequal stiffness: the steps of an oracle.
-  const auto unequal = result_of(with_sets(8e9, 1e9, 1e9, 1e5));
+  const auto unequal = run_of(with_sets(8e9, 1e9, 1e9, 1e5));
   const ClampedBlock& block = only_block(unequal);
   const ClampedPlane* slope = nullptr;
   const ClampedPlane* end = nullptr;

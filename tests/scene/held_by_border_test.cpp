@@ -8,32 +8,13 @@
 
 #include "cleave/realize/places.hpp"
 #include "cleave/realize/run.hpp"
-#include "parse_support.hpp"
 #include "run_notes.hpp"
+#include "run_scene.hpp"
 
 // What must not pass in silence: blocks that only the border of the domain holds, and openings that miss the rock.
 
 namespace cleave::scene::test::held_by_border_test {
 namespace {
-
-std::expected<RunResult, std::vector<Problem>> try_run(const std::string& text, const Files& files = {}) {
-  const Scene scene = scene_of(text, files);
-  StageTimer timer;
-  Progress progress{ProgressStyle::quiet};
-  return run(scene, {.threads = 1}, timer, progress);
-}
-RunResult run_of(const std::string& text) {
-  auto result = try_run(text);
-  if (!result) {
-    for (const Problem& problem : result.error()) ADD_FAILURE() << describe(problem);
-  }
-  return std::move(result).value();
-}
-std::size_t notes_with(const RunResult& result, std::string_view words) {
-  std::size_t found = 0;
-  for (const std::string& note : result.notes) found += note.contains(words) ? 1U : 0U;
-  return found;
-}
 
 /// A slice of a slope: its east side is free, a joint dips out of it through the box from side to side.
 std::string slice(double dip) {

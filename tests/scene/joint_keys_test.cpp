@@ -4,23 +4,13 @@
 #include <array>
 
 #include "cleave/realize/run.hpp"
-#include "parse_support.hpp"
+#include "run_scene.hpp"
 
 // Keys of [[joint]] beyond its shape: holes, terminates_at, surface; and keep_dangling. Domain: 8 x 8 x 6 m.
 
 namespace cleave::scene::test::joint_keys_test {
 namespace {
 
-RunResult run_of(const std::string& text, const Files& files = {}) {
-  const Scene scene = scene_of(text, files);
-  StageTimer timer;
-  Progress progress{ProgressStyle::quiet};
-  auto result = run(scene, {.threads = 1}, timer, progress);
-  if (!result) {
-    for (const Problem& problem : result.error()) ADD_FAILURE() << describe(problem);
-  }
-  return std::move(result).value();
-}
 std::size_t blocks_of(const std::string& text, const Files& files = {}) {
   return run_of(with_box(text), files).complex.value().complex().blocks().size();
 }

@@ -17,20 +17,10 @@
 #include "cleave/core/progress.hpp"
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/realize/run.hpp"
-#include "parse_support.hpp"
+#include "run_scene.hpp"
 
 namespace cleave::scene::test::key_blocks_scene_test {
 namespace {
-
-RunResult result_of(const std::string& text) {
-  StageTimer timer;
-  Progress progress{ProgressStyle::quiet};
-  auto result = run(scene_of(text), {}, timer, progress);
-  if (!result) {
-    for (const Problem& problem : result.error()) ADD_FAILURE() << describe(problem);
-  }
-  return std::move(result).value();
-}
 
 /// A prism of 180 m3 on a plane 45/090, and a grid of bolts in the face above it.
 std::string slope(double along, double down, double offset_along, double offset_down, std::string_view more) {
@@ -57,8 +47,8 @@ anchorage = 0.5
 }
 
 TEST(KeyBlocksScene, SupportIsCheckedUnderEveryLoadCase) {
-  const RunResult r = result_of(
-      slope(2, 1.5, 1, 0.5, "[[load]]\nname = \"quake\"\nseismic = [0.6, 0, 0]\n[[load]]\nname = \"still\"\n"));
+  const RunResult r =
+      run_of(slope(2, 1.5, 1, 0.5, "[[load]]\nname = \"quake\"\nseismic = [0.6, 0, 0]\n[[load]]\nname = \"still\"\n"));
   ASSERT_TRUE(r.support.has_value());
   ASSERT_EQ(r.support_cases.size(), 2U);
   EXPECT_EQ(r.support_cases[0].name, "quake");
@@ -82,7 +72,7 @@ TEST(KeyBlocksScene, SupportIsCheckedUnderEveryLoadCase) {
 // Of a prism on a plane of 45 degrees.
 TEST(KeyBlocksScene, ChoicesReachTheAnalysis) {
   const auto with = [](const std::string& choices) {
-    return *result_of(
+    return *run_of(
                 "[domain]\nbox = { min = [0, 0, 0], max = [10, 10, 10] }\n"
                 "[[joint]]\nplane = { through = [10, 5, 4], dip = 45, dip_direction = 90 }\n"
                 "[joints.default]\nfriction = 35\n[stability]\n"
@@ -104,7 +94,7 @@ TEST(KeyBlocksScene, ChoicesReachTheAnalysis) {
 // The spacing found passes at every phase that was asked for, each run as a scene of its own; the next wider one that
 // the search tried does not.
 TEST(KeyBlocksScene, TheSearchFindsTheWidestPatternThatPasses) {
-  const RunResult r = result_of(slope(
+  const RunResult r = run_of(slope(
       1, 1, 0.5, 0.5,
       "[support.design]\nlengths = [0.4, 12]\nscale = [0.5, 4]\nphases = 3\ncost_per_bolt = 10\ncost_per_metre = 2\n"));
   ASSERT_EQ(r.designs.size(), 2U);
@@ -116,13 +106,13 @@ TEST(KeyBlocksScene, TheSearchFindsTheWidestPatternThatPasses) {
   const auto passes = [](double scale) {
     for (const double phase : {0.0, 1.0 / 3, 2.0 / 3}) {
       const double offset = 0.5 + phase * scale;
-      if (!result_of(slope(scale, scale, offset, offset, "")).support->passes()) return false;
+      if (!run_of(slope(scale, scale, offset, offset, "")).support->passes()) return false;
     }
     return true;
   };
   EXPECT_TRUE(passes(found.scale));
   EXPECT_FALSE(passes(found.scale * std::pow(8.0, 1.0 / 128)));
-  const std::size_t bolts = result_of(slope(found.scale, found.scale, 0.5, 0.5, "")).support->bolts.size();
+  const std::size_t bolts = run_of(slope(found.scale, found.scale, 0.5, 0.5, "")).support->bolts.size();
   EXPECT_EQ(found.bolts, bolts);
   EXPECT_NEAR(found.cost, static_cast<double>(bolts) * (10 + 2 * 12), 1e-9);
   // At other places than those of the search it may fail: that is reported, with the block that decides.
@@ -139,7 +129,7 @@ TEST(KeyBlocksScene, TheSearchFindsTheWidestPatternThatPasses) {
   }));
   EXPECT_EQ(r.designs[0].failing, r.designs[0].offsets);
   // The same seed, the same offsets.
-  const RunResult again = result_of(slope(
+  const RunResult again = run_of(slope(
       1, 1, 0.5, 0.5,
       "[support.design]\nlengths = [12]\nscale = [0.5, 4]\nphases = 3\ncost_per_bolt = 10\ncost_per_metre = 2\n"));
   EXPECT_EQ(again.designs.at(0).failing, found.failing);
@@ -149,13 +139,13 @@ TEST(KeyBlocksScene, TheSearchFindsTheWidestPatternThatPasses) {
 TEST(KeyBlocksScene, TheSearchLooksAtEveryLoadCase) {
   const std::string design = "[support.design]\nlengths = [12]\nscale = [0.25, 4]\nphases = 2\noffsets = 5\n";
   const std::string quake = "[[load]]\nname = \"quake\"\nseismic = [0.2, 0, 0]\n";
-  const DesignResult still = result_of(slope(1, 1, 0.5, 0.5, design)).designs.at(0);
-  const DesignResult shaken = result_of(slope(1, 1, 0.5, 0.5, quake + design)).designs.at(0);
+  const DesignResult still = run_of(slope(1, 1, 0.5, 0.5, design)).designs.at(0);
+  const DesignResult shaken = run_of(slope(1, 1, 0.5, 0.5, quake + design)).designs.at(0);
   ASSERT_TRUE(still.found);
   ASSERT_TRUE(shaken.found);
   EXPECT_LT(shaken.scale, 0.95 * still.scale);
   const auto passes = [&](double scale) {
-    const RunResult r = result_of(slope(scale, scale, 0.5, 0.5, quake));
+    const RunResult r = run_of(slope(scale, scale, 0.5, 0.5, quake));
     return r.support->passes() && r.support_cases.at(0).support.passes();
   };
   EXPECT_TRUE(passes(shaken.scale));
@@ -192,7 +182,7 @@ maximum_blocks = { tunnel = "drift", sets = ["A", "B", "C"] }
 // Block theory from orientations alone against the cutter with planes through the apex that it names: the same block,
 // the same mode, the same factor of safety.
 TEST(KeyBlocksScene, LargestKeyBlocksAreTheCuttersBlocks) {
-  const RunResult theory = result_of(wedge_scene(20, 20));
+  const RunResult theory = run_of(wedge_scene(20, 20));
   ASSERT_GE(theory.maximum_blocks.size(), 4U);
   std::size_t falling = 0, sliding = 0, wedges = 0;
   for (const MaximumRow& row : theory.maximum_blocks) {
@@ -204,7 +194,7 @@ TEST(KeyBlocksScene, LargestKeyBlocksAreTheCuttersBlocks) {
       EXPECT_LT(geometry::norm(b.upward[i] - geometry::upward_normal(attitude)), 1e-9);
     }
     // A hair nearer to the tunnel, so that edges that touch do not miss it by rounding.
-    const RunResult cut = result_of(wedge_scene((1 - 1e-6) * b.block.apex[0], (1 - 1e-6) * b.block.apex[1]));
+    const RunResult cut = run_of(wedge_scene((1 - 1e-6) * b.block.apex[0], (1 - 1e-6) * b.block.apex[1]));
     const auto& complex = cut.complex->complex();
     const stability::Judgement* same = nullptr;
     for (const stability::Judgement& j : cut.analysis->judgements) {
@@ -245,7 +235,7 @@ TEST(KeyBlocksScene, LargestKeyBlocksScaleWithTheLengthOfJoints) {
   const auto with = [](const std::string& limit, double right, double up) {
     std::string text = wedge_scene(right, up);
     text.insert(text.find(", sets = ["), limit);
-    return result_of(text);
+    return run_of(text);
   };
   const RunResult whole = with("", 20, 20);
   std::size_t seen = 0;
@@ -293,7 +283,7 @@ TEST(KeyBlocksScene, FourCrossingTunnelsFailInManyBatches) {
   // Without groups, which are not looked at here and take nearly all of the time.
   std::string text = example("four_tunnels");
   text.insert(text.find("[stability]\n") + 12, "groups = \"off\"\n");
-  const RunResult r = result_of(text);
+  const RunResult r = run_of(text);
   const auto& complex = r.complex->complex();
   EXPECT_EQ(r.excavations.size(), 4U);
   EXPECT_GE(r.analysis->batches.size(), 8U);
@@ -307,7 +297,7 @@ TEST(KeyBlocksScene, FourCrossingTunnelsFailInManyBatches) {
 
 // Fu (2014), 4.5.3: bolts on three openings, every block that needs support looked at, bodies stitched together.
 TEST(KeyBlocksScene, PowerhouseIsSupportedInTwoSteps) {
-  const RunResult r = result_of(example("powerhouse"));
+  const RunResult r = run_of(example("powerhouse"));
   ASSERT_TRUE(r.support.has_value());
   EXPECT_EQ(r.support->bolts.size() - r.support->spot_bolts, 1174U);
   EXPECT_GT(r.support->blocks.size(), 10U);
@@ -331,14 +321,14 @@ TEST(KeyBlocksScene, ColumnsThatToppleAreToldAndCountOnlyWhenAsked) {
         "\"north\", \"top\"]\ngravity = [6.3, 0, -7.5]\n{}",
         rotation);
   };
-  const RunResult flagged = result_of(column(""));
+  const RunResult flagged = run_of(column(""));
   ASSERT_EQ(flagged.analysis->judgements.size(), 1U);
   ASSERT_TRUE(flagged.analysis->judgements[0].rotation.has_value());
   EXPECT_TRUE(flagged.analysis->judgements[0].rotation->turns);
   EXPECT_TRUE(flagged.analysis->batches.empty());
   EXPECT_TRUE(std::ranges::any_of(flagged.notes, [](const std::string& n) { return n.contains("topple"); }));
-  EXPECT_EQ(result_of(column("rotation = \"decide\"\n")).analysis->batches.size(), 1U);
-  EXPECT_FALSE(result_of(column("rotation = \"off\"\n")).analysis->judgements[0].rotation.has_value());
+  EXPECT_EQ(run_of(column("rotation = \"decide\"\n")).analysis->batches.size(), 1U);
+  EXPECT_FALSE(run_of(column("rotation = \"off\"\n")).analysis->judgements[0].rotation.has_value());
 }
 
 /// A cube of 2 m in the roof of a tunnel between discs, whose west side dips so much to the east: below 90 degrees it
@@ -364,27 +354,27 @@ std::size_t taper_notes(const RunResult& r) {
 // Between vertical sides it falls; a side that leans inwards by a thousandth of a degree holds it in numbers, and for
 // ever. No such taper holds rock: it is said. A degree of lean holds it, and a side that leans outwards lets it fall.
 TEST(KeyBlocksScene, WhatOnlyASlightTaperHoldsIsSaid) {
-  const RunResult straight = result_of(roof_cube(90));
+  const RunResult straight = run_of(roof_cube(90));
   EXPECT_EQ(straight.analysis->batches.size(), 1U);
   EXPECT_TRUE(straight.tapered.empty());
   for (const double dip : {89.99, 89.9}) {
     SCOPED_TRACE(dip);
-    const RunResult slight = result_of(roof_cube(dip));
+    const RunResult slight = run_of(roof_cube(dip));
     EXPECT_TRUE(slight.analysis->batches.empty());
     ASSERT_EQ(slight.tapered.size(), 1U);
     EXPECT_NEAR(slight.tapered[0].volume.si(), 8, 0.02);
     EXPECT_EQ(slight.tapered[0].factor_of_safety, 0);
     EXPECT_EQ(taper_notes(slight), 1U);
   }
-  const RunResult wedged = result_of(roof_cube(89));
+  const RunResult wedged = run_of(roof_cube(89));
   EXPECT_TRUE(wedged.analysis->batches.empty());
   EXPECT_TRUE(wedged.tapered.empty());
   EXPECT_EQ(taper_notes(wedged), 0U);
-  const RunResult outwards = result_of(roof_cube(90.1));
+  const RunResult outwards = run_of(roof_cube(90.1));
   EXPECT_EQ(outwards.analysis->batches.size(), 1U);
   EXPECT_TRUE(outwards.tapered.empty());
   // Cohesion of its sides, where it counts, would hold it between parallel ones as well.
-  EXPECT_TRUE(result_of(roof_cube(89.99, "[stability]\ncohesion_on_parallel_faces = true\n")).tapered.empty());
+  EXPECT_TRUE(run_of(roof_cube(89.99, "[stability]\ncohesion_on_parallel_faces = true\n")).tapered.empty());
 }
 
 // Three vertical sides, each leaning inwards by a hundredth of a degree: no two are about parallel.
@@ -401,7 +391,7 @@ TEST(KeyBlocksScene, AColumnOfThreeSidesThatNarrowsSlightlyIsSaid) {
       text += fmt::format("[[joint]]\ndisc = {{ centre = [{}, {}, 10], dip = {}, dip_direction = {}, radius = 3 }}\n",
                           10 - std::sin(a), 10 - std::cos(a), dip, towards);
     }
-    return result_of(text);
+    return run_of(text);
   };
   EXPECT_EQ(column(90).analysis->batches.size(), 1U);
   const RunResult slight = column(89.99);
@@ -432,14 +422,14 @@ free = ["bottom"]
   const auto told = [](const RunResult& r) {
     return std::ranges::count_if(r.notes, [](const std::string& n) { return n.contains("wholly inside it"); });
   };
-  EXPECT_EQ(told(result_of(text)), 0);
+  EXPECT_EQ(told(run_of(text)), 0);
   for (const std::string_view side :
        {"[[-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]", "[[-1, -1, 2], [1, -1, 2], [1, 1, 2], [-1, 1, 2]]",
         "[[-1, -1, 1], [1, -1, 1], [1, -1, 2], [-1, -1, 2]]", "[[-1, 1, 1], [1, 1, 1], [1, 1, 2], [-1, 1, 2]]",
         "[[-1, -1, 1], [-1, 1, 1], [-1, 1, 2], [-1, -1, 2]]", "[[1, -1, 1], [1, 1, 1], [1, 1, 2], [1, -1, 2]]"}) {
     text += fmt::format("[[joint]]\npolygon = {}\n", side);
   }
-  const RunResult boxed = result_of(text);
+  const RunResult boxed = run_of(text);
   EXPECT_TRUE(boxed.analysis->batches.empty());
   EXPECT_EQ(told(boxed), 1);
 }
@@ -492,8 +482,8 @@ TEST(KeyBlocksScene, OnDemandCasesAndSupportAreThoseOfTheWholeRock) {
   unsigned windows = 0;
   std::size_t needy = 0;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    const RunResult whole = result_of(bolted_tunnel(seed, ""));
-    const RunResult near = result_of(bolted_tunnel(seed, "[output]\nblocks = \"key\"\n"));
+    const RunResult whole = run_of(bolted_tunnel(seed, ""));
+    const RunResult near = run_of(bolted_tunnel(seed, "[output]\nblocks = \"key\"\n"));
     windows += near.window ? 1U : 0U;
     EXPECT_EQ(whole.key_block_hash, near.key_block_hash) << seed;
     ASSERT_EQ(whole.load_cases.size(), near.load_cases.size());

@@ -10,8 +10,8 @@
 
 #include "cleave/realize/run.hpp"
 #include "motion_run.hpp"
-#include "parse_support.hpp"
 #include "run_notes.hpp"
+#include "run_scene.hpp"
 #include "sanitized.hpp"
 
 // Groups of blocks through a whole scene.
@@ -211,18 +211,6 @@ TEST(KeyGroupsScene, WhereOffBarredBlocksAreANote) {
   // Judged together there is nothing to add; on rough joints it holds by itself.
   EXPECT_EQ(notes_with(20, "note"), "");
   EXPECT_EQ(notes_with(56, "off"), "");
-}
-
-RunResult run_of(const std::string& text) {
-  const Scene scene = scene_of(text);
-  StageTimer timer;
-  Progress progress{ProgressStyle::quiet};
-  return run(scene, {.threads = 1}, timer, progress).value();
-}
-
-std::size_t notes_with(const RunResult& result, std::string_view text) {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(result.notes, [&](const std::string& note) { return note.contains(text); }));
 }
 
 // With 30 degrees of friction the two stand, under an earthquake out of the slope they do not.

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "cleave/realize/run.hpp"
-#include "parse_support.hpp"
+#include "run_scene.hpp"
 
 // Bolts of a scene that hold blocks in motion, against closed forms and against what the check of the support says.
 
@@ -15,18 +15,6 @@ namespace cleave::scene::test::motion_bolts_test {
 namespace {
 
 constexpr double g = 9.81;
-
-RunResult moved(const std::string& text) {
-  const Scene scene = scene_of(text);
-  StageTimer timer;
-  Progress progress{ProgressStyle::quiet};
-  auto result = run(scene, {.threads = 1}, timer, progress);
-  if (!result) {
-    ADD_FAILURE() << describe(result.error().front());
-    return empty_result();
-  }
-  return std::move(*result);
-}
 
 bool says(const RunResult& result, const std::string& what) {
   return std::ranges::any_of(result.notes, [&](const std::string& note) { return note.find(what) != note.npos; });
@@ -70,7 +58,7 @@ TEST(MotionBolts, ABlockHangsExactlyWhereTheSumOfItsBoltsIsItsWeight) {
   for (const auto& [at, count] : {std::pair{"[0, 0, 0]", 1},
                                   {"[-0.5, -0.3, 0], [0.5, -0.3, 0], [0, 0.6, 0]", 3},
                                   {"[-0.5, -0.5, 0], [0.5, -0.5, 0], [0.5, 0.5, 0], [-0.5, 0.5, 0]", 4}}) {
-    const RunResult holds = moved(hung(bolts_at(at, 1.001 * hung_weight / count), "duration = 0.3\n"));
+    const RunResult holds = run_of(hung(bolts_at(at, 1.001 * hung_weight / count), "duration = 0.3\n"));
     EXPECT_LT(fall_of(holds), 1e-6) << count;
     EXPECT_EQ(holds.motion->bolts.size(), static_cast<std::size_t>(count));
     EXPECT_EQ(holds.motion->bolts_broken(), 0U);
@@ -80,7 +68,7 @@ TEST(MotionBolts, ABlockHangsExactlyWhereTheSumOfItsBoltsIsItsWeight) {
       sum += bolt.largest.si();
     }
     EXPECT_NEAR(sum / hung_weight, 1, 1e-3) << count;
-    const RunResult falls = moved(hung(bolts_at(at, 0.999 * hung_weight / count), "duration = 0.3\n"));
+    const RunResult falls = run_of(hung(bolts_at(at, 0.999 * hung_weight / count), "duration = 0.3\n"));
     EXPECT_EQ(falls.motion->bolts_broken(), static_cast<std::uint64_t>(count));
     EXPECT_EQ(falls.motion->blocks.at(0).bolts, static_cast<std::uint64_t>(count));
     EXPECT_EQ(falls.motion->blocks.at(0).bolts_broken, static_cast<std::uint64_t>(count));
@@ -94,7 +82,7 @@ TEST(MotionBolts, ABlockHangsExactlyWhereTheSumOfItsBoltsIsItsWeight) {
 TEST(MotionBolts, TheyYieldAtTheirCapacityUntilTheirDuctility) {
   const double each = 0.8 * hung_weight;
   const RunResult result =
-      moved(hung(bolts_at("[0, 0, 0]", each, "ductility = 0.05\n"), "duration = 0.3\nstep = 0.001\n"));
+      run_of(hung(bolts_at("[0, 0, 0]", each, "ductility = 0.05\n"), "duration = 0.3\nstep = 0.001\n"));
   // 0.2 g down to there, then g.
   const double there = std::sqrt(2 * 0.05 / (0.2 * g)), speed = 0.2 * g * there, left = 0.3 - there;
   EXPECT_NEAR(fall_of(result), 0.05 + speed * left + 0.5 * g * left * left, 2e-3);
@@ -115,9 +103,9 @@ TEST(MotionBolts, TheyHoldWhatPlateBondAndAnchorLet) {
   };
   const double w = hung_weight;
   for (const double share : {0.995, 1.005}) {
-    EXPECT_EQ(fall_of(moved(hung(bolt(1e9, share * w / 2), "duration = 0.15\n"))) > 1e-3, share < 1);
-    EXPECT_EQ(fall_of(moved(hung(bolt(0, share * w / 1.5), "duration = 0.15\n"))) > 1e-3, share < 1);
-    EXPECT_EQ(fall_of(moved(hung(bolt(0.2 * w, share * 0.8 * w / 1.5), "duration = 0.15\n"))) > 1e-3, share < 1);
+    EXPECT_EQ(fall_of(run_of(hung(bolt(1e9, share * w / 2), "duration = 0.15\n"))) > 1e-3, share < 1);
+    EXPECT_EQ(fall_of(run_of(hung(bolt(0, share * w / 1.5), "duration = 0.15\n"))) > 1e-3, share < 1);
+    EXPECT_EQ(fall_of(run_of(hung(bolt(0.2 * w, share * 0.8 * w / 1.5), "duration = 0.15\n"))) > 1e-3, share < 1);
   }
   // A bolt that ends in the block, one that is gripped too little behind it, and motion.support = false.
   for (const auto& [from, to] : {std::pair{"length = 3.5", "length = 1.4"},
@@ -125,7 +113,7 @@ TEST(MotionBolts, TheyHoldWhatPlateBondAndAnchorLet) {
                                  {"error = false", "error = false\nsupport = false"}}) {
     std::string text = hung(bolts_at("[0, 0, 0]", 10 * w), "duration = 0.15\n");
     text.replace(text.find(from), std::string{from}.size(), to);
-    const RunResult result = moved(text);
+    const RunResult result = run_of(text);
     EXPECT_NEAR(fall_of(result), 0.5 * g * 0.15 * 0.15, 1e-3) << to;
     EXPECT_TRUE(result.motion->bolts.empty()) << to;
     EXPECT_TRUE(says(result, std::string{to}.starts_with("error") ? "as motion.support says" : "no bolt ties")) << to;
@@ -134,7 +122,7 @@ TEST(MotionBolts, TheyHoldWhatPlateBondAndAnchorLet) {
 
 TEST(MotionBolts, WhatIsNotCarriedOverIsSaid) {
   const std::string more = "shear_capacity = 1e5\n[support.shotcrete]\nthickness = 0.1\nstrength = 1e6\n";
-  const RunResult result = moved(hung(bolts_at("[0, 0, 0]", 0.5 * hung_weight, more), "duration = 0.1\n"));
+  const RunResult result = run_of(hung(bolts_at("[0, 0, 0]", 0.5 * hung_weight, more), "duration = 0.1\n"));
   EXPECT_GT(fall_of(result), 0.02);
   EXPECT_TRUE(says(result, "motion: blocks move without the shotcrete"));
   EXPECT_TRUE(says(result, "their shear_capacity is left out"));
@@ -153,7 +141,7 @@ TEST(MotionBolts, NothingHangsOnWhatHasLeft) {
                "[[0, -1.2, 1.5], [1.2, -1.2, 1.5], [1.2, 1.2, 1.5], [0, 1.2, 1.5]]\n"
                "[[joint]]\npolygon = [[-1.2, -1.2, 0.8], [0, -1.2, 0.8], [0, 1.2, 0.8], [-1.2, 1.2, 0.8]]\n"
                "[[joint]]\npolygon = [[0, -1.2, -0.3], [0, 1.2, -0.3], [0, 1.2, 1.8], [0, -1.2, 1.8]]\n");
-  const RunResult result = moved(text);
+  const RunResult result = run_of(text);
   ASSERT_EQ(result.motion->blocks.size(), 2U);
   EXPECT_TRUE(result.motion->converged) << result.motion->stopped_why;
   EXPECT_EQ(result.motion->bolts.size(), 1U);
@@ -191,7 +179,7 @@ TEST(MotionBolts, InclinedBoltsHoldWhereTheCheckSaysSo) {
   for (const bool wedge : {false, true}) {
     for (const std::string direction : {"[-1, 0, 0]", "[-1, 0.1, -0.3]", "[-1, 0, 0.1]"}) {
       const auto factor = [&](double tendon) {
-        const RunResult result = moved(on_a_slope(wedge, direction, tendon, ""));
+        const RunResult result = run_of(on_a_slope(wedge, direction, tendon, ""));
         EXPECT_EQ(result.support->blocks.size(), 1U);
         return result.support->blocks.at(0).factor_with_support.value_or(0);
       };
@@ -204,11 +192,11 @@ TEST(MotionBolts, InclinedBoltsHoldWhereTheCheckSaysSo) {
       }
       for (const double share : {0.99, 1.01}) {
         const RunResult result =
-            moved(on_a_slope(wedge, direction, share * high, "[motion]\nduration = 0.2\nerror = false\n"));
+            run_of(on_a_slope(wedge, direction, share * high, "[motion]\nduration = 0.2\nerror = false\n"));
         ASSERT_TRUE(result.motion->converged) << result.motion->stopped_why;
         ASSERT_GE(result.motion->blocks.size(), 1U);
         EXPECT_GE(result.motion->bolts.size(), 2U);
-        EXPECT_EQ(result.motion->moved() > 0, share < 1) << wedge << direction << share;
+        EXPECT_EQ(result.motion->run_of() > 0, share < 1) << wedge << direction << share;
         EXPECT_EQ(result.motion->bolts_broken() > 0, share < 1) << wedge << direction << share;
       }
     }
@@ -219,7 +207,7 @@ TEST(MotionBolts, InclinedBoltsHoldWhereTheCheckSaysSo) {
 TEST(MotionBolts, TheirAngleLawCounts) {
   const std::string direction = "[-1, 0, 0]", motion = "[motion]\nduration = 0.2\nerror = false\n";
   const auto run_of = [&](double tendon, const std::string& law, const std::string& more) {
-    return moved(on_a_slope(false, direction, tendon, "angle = \"" + law + "\"\n" + more));
+    return run_of(on_a_slope(false, direction, tendon, "angle = \"" + law + "\"\n" + more));
   };
   for (const std::string law : {"full", "cosine", "linear"}) {
     double low = 1e3, high = 1e7;
@@ -229,7 +217,7 @@ TEST(MotionBolts, TheirAngleLawCounts) {
       (factor.value_or(0) > 1 ? high : low) = middle;
     }
     for (const double share : {0.99, 1.01}) {
-      EXPECT_EQ(run_of(share * high, law, motion).motion->moved() > 0, share < 1) << law << share;
+      EXPECT_EQ(run_of(share * high, law, motion).motion->run_of() > 0, share < 1) << law << share;
     }
   }
 }
@@ -247,9 +235,9 @@ TEST(MotionBolts, WhatIsPutInLaterHoldsNothingThatHasLeft) {
   for (const auto& [stage, moves] : {std::pair{"0", false}, {"1", true}, {"2", true}}) {
     std::string now = text;
     now.replace(now.find("STAGE"), 5, stage);
-    const RunResult result = moved(now);
+    const RunResult result = run_of(now);
     ASSERT_EQ(result.motion->blocks.size(), 1U);
-    EXPECT_EQ(result.motion->moved() > 0, moves) << stage;
+    EXPECT_EQ(result.motion->run_of() > 0, moves) << stage;
     EXPECT_EQ(says(result, "leave before it is put in"), moves) << stage;
   }
 }

@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "cleave/realize/run.hpp"
-#include "parse_support.hpp"
+#include "run_scene.hpp"
 
 // Blocks of a scene in motion.
 
@@ -34,16 +34,9 @@ std::string without_groups(std::string text) {
 }
 
 RunResult moved(const std::string& text) {
-  const Scene scene = scene_of(text);
-  StageTimer timer;
-  Progress progress{ProgressStyle::quiet};
-  auto result = run(scene, {.threads = 1}, timer, progress);
-  if (!result) {
-    ADD_FAILURE() << "the scene does not run";
-    return empty_result();
-  }
-  EXPECT_TRUE(result->motion.has_value());
-  return std::move(*result);
+  RunResult result = run_of(text);
+  EXPECT_TRUE(result.motion.has_value());
+  return result;
 }
 
 TEST(MotionScene, KeyBlockSlidesAsItsAccelerationSays) {
