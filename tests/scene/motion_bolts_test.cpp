@@ -196,7 +196,7 @@ TEST(MotionBolts, InclinedBoltsHoldWhereTheCheckSaysSo) {
         ASSERT_TRUE(result.motion->converged) << result.motion->stopped_why;
         ASSERT_GE(result.motion->blocks.size(), 1U);
         EXPECT_GE(result.motion->bolts.size(), 2U);
-        EXPECT_EQ(result.motion->run_of() > 0, share < 1) << wedge << direction << share;
+        EXPECT_EQ(result.motion->moved() > 0, share < 1) << wedge << direction << share;
         EXPECT_EQ(result.motion->bolts_broken() > 0, share < 1) << wedge << direction << share;
       }
     }
@@ -206,18 +206,18 @@ TEST(MotionBolts, InclinedBoltsHoldWhereTheCheckSaysSo) {
 // An angle law takes of the tension what the movement without bolts says.
 TEST(MotionBolts, TheirAngleLawCounts) {
   const std::string direction = "[-1, 0, 0]", motion = "[motion]\nduration = 0.2\nerror = false\n";
-  const auto run_of = [&](double tendon, const std::string& law, const std::string& more) {
+  const auto slid = [&](double tendon, const std::string& law, const std::string& more) {
     return run_of(on_a_slope(false, direction, tendon, "angle = \"" + law + "\"\n" + more));
   };
   for (const std::string law : {"full", "cosine", "linear"}) {
     double low = 1e3, high = 1e7;
     while (high > 1.0005 * low) {
       const double middle = std::sqrt(low * high);
-      const auto factor = run_of(middle, law, "").support->blocks.at(0).factor_with_support;
+      const auto factor = slid(middle, law, "").support->blocks.at(0).factor_with_support;
       (factor.value_or(0) > 1 ? high : low) = middle;
     }
     for (const double share : {0.99, 1.01}) {
-      EXPECT_EQ(run_of(share * high, law, motion).motion->run_of() > 0, share < 1) << law << share;
+      EXPECT_EQ(slid(share * high, law, motion).motion->moved() > 0, share < 1) << law << share;
     }
   }
 }
@@ -237,7 +237,7 @@ TEST(MotionBolts, WhatIsPutInLaterHoldsNothingThatHasLeft) {
     now.replace(now.find("STAGE"), 5, stage);
     const RunResult result = run_of(now);
     ASSERT_EQ(result.motion->blocks.size(), 1U);
-    EXPECT_EQ(result.motion->run_of() > 0, moves) << stage;
+    EXPECT_EQ(result.motion->moved() > 0, moves) << stage;
     EXPECT_EQ(says(result, "leave before it is put in"), moves) << stage;
   }
 }
