@@ -332,11 +332,11 @@ TEST(KeyBlocksScene, ColumnsThatToppleAreToldAndCountOnlyWhenAsked) {
 }
 
 /// A cube of 2 m in the roof of a tunnel between discs, whose west side dips so much to the east: below 90 degrees it
-/// narrows downwards.
+/// narrows downwards, above it widens.
 std::string roof_cube(double west, std::string_view rest = "") {
   return fmt::format(
       "[domain]\nbox = {{ min = [0, 0, 0], max = [20, 20, 20] }}\n"
-      "[[joint]]\ndisc = {{ centre = [9, 10, 10], dip = {}, dip_direction = 90, radius = 3 }}\n"
+      "[[joint]]\ndisc = {{ centre = [9, 10, 10], dip = {}, dip_direction = {}, radius = 3 }}\n"
       "[[joint]]\ndisc = {{ centre = [11, 10, 10], dip = 90, dip_direction = 90, radius = 3 }}\n"
       "[[joint]]\ndisc = {{ centre = [10, 9, 10], dip = 90, dip_direction = 0, radius = 3 }}\n"
       "[[joint]]\ndisc = {{ centre = [10, 11, 10], dip = 90, dip_direction = 0, radius = 3 }}\n"
@@ -344,7 +344,7 @@ std::string roof_cube(double west, std::string_view rest = "") {
       "[joints.default]\nfriction = 30\ncohesion = 20e3\n[rock]\ndensity = 2700\n"
       "[[excavation]]\nname = \"drift\"\nkind = \"tunnel\"\naxis = [[10, -1, 7], [10, 21, 7]]\n"
       "section = {{ shape = \"rectangle\", width = 8, height = 6 }}\n{}",
-      west, rest);
+      west > 90 ? 180 - west : west, west > 90 ? 270 : 90, rest);
 }
 std::size_t taper_notes(const RunResult& r) {
   return static_cast<std::size_t>(
