@@ -50,7 +50,7 @@ TEST_F(MachineTest, FullDiskKeepsTheOldResult) {
 TEST_F(MachineTest, MemoryLimitIsTheMachinesFault) {
   if (sanitized) GTEST_SKIP() << "sanitizers reserve terabytes";
   write_grid(59);
-  const Ended ended = shell("ulimit -v 400000; cleave run g.toml --threads 1 --quiet -o out");
+  const Ended ended = shell("ulimit -v 250000; cleave run g.toml --threads 1 --quiet -o out");
   EXPECT_EQ(ended.code, 3);
   EXPECT_TRUE(ended.err.starts_with("error: memory: ")) << ended.err;
   EXPECT_FALSE(exists("out"));
