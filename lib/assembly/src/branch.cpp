@@ -14,6 +14,8 @@ using Eigen::VectorXd;
 
 /// Below this share of the load a force counts as none: rounding would feed wedging.
 constexpr double no_force = 1e-9;
+/// Of the largest free fall: interior points say no less.
+constexpr double barely = 1e-6;
 
 }  // namespace
 
@@ -164,6 +166,9 @@ Branch::Found Branch::by_inner_points(double divisor) const {
   for (const bool coupled : {true, false}) {
     for (const double weight : {1e-9, 0.0}) {
       const Near near = assembly::by_inner_points(*elements_, divisor, pressed, {coupled, weight});
+      const bool moves = near.state.v.lpNorm<Eigen::Infinity>() > barely;
+      if (!moves && near.left < exact_enough) return nearest;  // it rests
+      if (!moves || !(near.left < 1e-2)) continue;
       for (const double rough : {1e-3, 1e-5, 1e-7}) {
         Newton newton{*elements_};
         State state = near.state;

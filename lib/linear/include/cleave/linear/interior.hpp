@@ -183,7 +183,7 @@ template <class Contacts>
 double Interior<Contacts>::linearise(const std::vector<Eigen::Vector3d>& x, const std::vector<Eigen::Vector3d>& centre,
                                      double blunt, const Options& options) {
   double off = 0;
-  off_v_ = v_;
+  off_v_ = v_ - contacts_->start();
   for (std::size_t k = 0; k < x.size(); ++k) {
     const auto& e = contacts_->elements[k];
     cones::Cone& c = cones_[k];
