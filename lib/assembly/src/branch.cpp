@@ -14,8 +14,8 @@ using Eigen::VectorXd;
 
 /// Below this share of the load a force counts as none: rounding would feed wedging.
 constexpr double no_force = 1e-9;
-/// Of the largest free fall: interior points say no less.
-constexpr double barely = 1e-6;
+/// Of the largest free fall: less than this may be what the balance of forces lacks, not motion.
+constexpr double barely = 1e-4;
 
 }  // namespace
 
@@ -178,7 +178,10 @@ Branch::Found Branch::by_inner_points(double divisor) const {
           (void)newton.solve(problem, state, rough);
         }
         Found found = judged(divisor, std::move(state));
-        if (found.what == FromRest::moves) return found;
+        if (found.what == FromRest::moves) {
+          if (found.state.v.lpNorm<Eigen::Infinity>() > barely) return found;
+          continue;
+        }
         if (found.residual < nearest.residual) nearest = std::move(found);
       }
       if (bonds) pressed = pressing(*elements_, near.state);
