@@ -128,6 +128,9 @@ class Interior final {
  private:
   /// Forces inside their cones, and not nearer to the skin than `start`.
   void begin(std::vector<Eigen::Vector3d>& x, const Options& options);
+  [[nodiscard]] bool all_inside(Eigen::Vector3d cones::Cone::*which) const {
+    return std::ranges::all_of(cones_, [&](const cones::Cone& c) { return cones::square(c.*which) > 0; });
+  }
   /// Of the cones, after a share of the step.
   [[nodiscard]] double mean_product(double share) const;
   /// The largest lack of balance; slips below `blunt` are smoothed.
@@ -281,9 +284,7 @@ double Interior<Contacts>::solve(std::vector<Eigen::Vector3d>& x, const Options&
   double least = std::numeric_limits<double>::infinity();
   int stuck = 0;
   for (std::size_t round = 0; round < options.most; ++round) {
-    const bool inside = std::ranges::all_of(
-        cones_, [](const cones::Cone& c) { return cones::square(c.force) > 0 && cones::square(c.speed) > 0; });
-    if (!inside) break;
+    if (!all_inside(&cones::Cone::force) || !all_inside(&cones::Cone::speed)) break;
     const double off = linearise(x, centre, 0.1 * std::min(1.0, left), options);
     const double now = std::max(left, off);
     if (now < least) {
@@ -294,6 +295,8 @@ double Interior<Contacts>::solve(std::vector<Eigen::Vector3d>& x, const Options&
       ++stuck;
     }
     if ((left < options.goal && off < std::max(1e-12, 0.1 * options.goal)) || stuck > 12) break;
+    // Near the skin rounding may put the scaled middle of what lies inside onto it.
+    if (!all_inside(&cones::Cone::middle)) break;
     if (!factor(!options.coupled || !options.given.empty())) break;
     const double reach = direct(0, false, options.weight);
     const double centring = std::clamp(std::pow(std::max(0.0, mean_product(reach) / left), 3), 1e-6, 1.0);
