@@ -18,9 +18,10 @@ using namespace test;
 bool found_to_move(const Assembly& assembly, double divisor) {
   const Elements elements{assembly};
   const Branch branch{elements};
-  const Branch::Found found = branch.by_inner_points(divisor);
-  if (found.what != FromRest::moves) return false;
-  EXPECT_LE(violation(elements, divisor, found.state), exact_enough);
+  const auto found = branch.by_inner_points(divisor);
+  if (!found) return false;
+  EXPECT_EQ(found->what, FromRest::moves);
+  EXPECT_LE(violation(elements, divisor, found->state), exact_enough);
   return true;
 }
 

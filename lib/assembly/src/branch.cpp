@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "inner_points.hpp"
 #include "settle.hpp"
@@ -159,15 +161,14 @@ Branch::Found Branch::of(Solution solution) {
 
 Branch::Found Branch::by_sweeps(double divisor) { return of(settle(*elements_, divisor)); }
 
-Branch::Found Branch::by_inner_points(double divisor) const {
+std::optional<Branch::Found> Branch::by_inner_points(double divisor) const {
   const bool bonds = has_bonds(*elements_);
   std::vector<std::uint8_t> pressed(elements_->all().size(), 1);
-  Found nearest{.what = FromRest::unsettled, .state = newton_.none(), .residual = 1, .unsettled = {}};
   for (const bool coupled : {true, false}) {
     for (const double weight : {1e-9, 0.0}) {
       const Near near = assembly::by_inner_points(*elements_, divisor, pressed, {coupled, weight});
       const bool moves = near.state.v.lpNorm<Eigen::Infinity>() > barely;
-      if (!moves && near.left < exact_enough) return nearest;  // it rests
+      if (!moves && near.left < exact_enough) return std::nullopt;  // it rests
       if (!moves || !(near.left < 1e-2)) continue;
       for (const double rough : {1e-3, 1e-5, 1e-7}) {
         Newton newton{*elements_};
@@ -178,16 +179,12 @@ Branch::Found Branch::by_inner_points(double divisor) const {
           (void)newton.solve(problem, state, rough);
         }
         Found found = judged(divisor, std::move(state));
-        if (found.what == FromRest::moves) {
-          if (found.state.v.lpNorm<Eigen::Infinity>() > barely) return found;
-          continue;
-        }
-        if (found.residual < nearest.residual) nearest = std::move(found);
+        if (found.what == FromRest::moves && found.state.v.lpNorm<Eigen::Infinity>() > barely) return found;
       }
       if (bonds) pressed = pressing(*elements_, near.state);
     }
   }
-  return nearest;
+  return std::nullopt;
 }
 
 /// Nothing moved: at rest where forces are there that hold.
@@ -212,8 +209,7 @@ Branch::Found Branch::at(double divisor, Effort effort) {
   found = by_thresholds(divisor);
   if (found.what == FromRest::moves) return found;
   if (effort == Effort::whole && elements_->bodies() <= few_bodies) {
-    Found near = by_inner_points(divisor);
-    if (near.what == FromRest::moves) return near;
+    if (auto near = by_inner_points(divisor)) return *std::move(near);
   }
   if (found.state.v.lpNorm<Eigen::Infinity>() <= slow) return standing(divisor);
   if (few && effort == Effort::whole) {

@@ -60,8 +60,8 @@ class Branch final {
   [[nodiscard]] Found at(double divisor, Effort effort = Effort::whole);
   /// Linear solves that a search by thresholds may take, times the number of bodies.
   void allow(unsigned solves) { allowed_ = solves; }
-  /// Looks for motion by interior points, apart from what was found before.
-  [[nodiscard]] Found by_inner_points(double divisor) const;
+  /// Motion that interior points come by, apart from what was found before; empty where they find none.
+  [[nodiscard]] std::optional<Found> by_inner_points(double divisor) const;
   /// Makes what was found the start of what follows.
   void keep(const Found& found) { start_ = found.state; }
   [[nodiscard]] Newton& newton() noexcept { return newton_; }
