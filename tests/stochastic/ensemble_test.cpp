@@ -484,6 +484,51 @@ TEST(EnsembleTest, OrdersAreComparedWithinEachRealization) {
   EXPECT_NEAR(f.orders[0].share_best, 2 / 3.0, 1e-12);  // the tie goes to the first
 }
 
+// Load cases: the quantities of each, from the same realizations.
+TEST(EnsembleTest, LoadCasesHaveFiguresOfTheirOwn) {
+  EnsembleOptions with_cases = options();
+  with_cases.cases = {"quake", "blast"};
+  with_cases.support = true;
+  Ensemble ensemble{with_cases};
+  for (std::uint64_t k = 0; k < 4; ++k) {
+    Record r = record(k, {});
+    CaseTally quake{.count = k,
+                    .volume = cubic_metres(2.0 * static_cast<double>(k)),
+                    .largest = cubic_metres(1),
+                    .net = newtons(5),
+                    .support = {},
+                    .groups = {},
+                    .border = {}};
+    quake.support = Supported{.needing = k, .not_held = k / 3};
+    quake.border = HeldByBorder{7, cubic_metres(1)};
+    r.cases = {quake, {}};
+    ensemble.add(r, "");
+  }
+  const Figures f = ensemble.figures();
+  ASSERT_EQ(f.cases.size(), 2U);
+  EXPECT_EQ(f.cases[0].name, "quake");
+  EXPECT_EQ(f.cases[1].name, "blast");
+  const auto of = [&](std::size_t k, std::string_view name) {
+    const auto it = std::ranges::find(f.cases[k].estimates, name, &Estimate::name);
+    EXPECT_NE(it, f.cases[k].estimates.end()) << name;
+    return *it;
+  };
+  EXPECT_DOUBLE_EQ(of(0, "key_block_count").mean, 1.5);
+  EXPECT_DOUBLE_EQ(of(0, "key_block_volume_m3").mean, 3);
+  EXPECT_DOUBLE_EQ(of(0, "key_block_largest_m3").mean, 1);
+  EXPECT_DOUBLE_EQ(of(0, "support_force_n").mean, 5);
+  EXPECT_DOUBLE_EQ(of(0, "domain_held_count").mean, 7);
+  EXPECT_DOUBLE_EQ(of(0, "support_fails").mean, 0.25);
+  const Estimate failing = of(0, "probability_of_failure");
+  const Interval exact = clopper_pearson(3, 4, f.confidence);
+  EXPECT_DOUBLE_EQ(failing.mean, 0.75);
+  EXPECT_DOUBLE_EQ(failing.low, exact.low);
+  EXPECT_DOUBLE_EQ(failing.high, exact.high);
+  EXPECT_EQ(of(1, "probability_of_failure").mean, 0);
+  // What is given of the base case alone.
+  EXPECT_EQ(std::ranges::find(f.cases[0].estimates, "first_batch_count", &Estimate::name), f.cases[0].estimates.end());
+}
+
 TEST(EnsembleTest, SupportFiguresOnlyWhereThereIsASupport) {
   EnsembleOptions supported = options();
   supported.support = true;

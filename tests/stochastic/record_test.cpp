@@ -62,6 +62,10 @@ Record example(std::uint64_t k) {
     r.sets = {{k, rng.uniform(), rng.uniform(), rng.uniform()}, {0, 0, 0, 0}};
   }
   if (k % 5 == 0) r.groups = Grouped{k, 3, cubic_metres(rng.uniform()), cubic_metres(1e3 * rng.uniform()), k % 2 == 0};
+  if (k % 7 == 2)
+    r.cases = {{k, cubic_metres(2), cubic_metres(0.1), newtons(3e-300), r.support, r.groups, r.border}, {}};
+  if (k % 7 == 3)
+    r.cases = {{1, {}, cubic_metres(rng.uniform()), {}, {}, Grouped{k, 3, {}, {}, true}, HeldByBorder{k, {}}}};
   return r;
 }
 

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <vector>
+
 #include "cleave/assembly/groups.hpp"
 #include "newton.hpp"
 

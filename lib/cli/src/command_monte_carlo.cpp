@@ -35,10 +35,16 @@ std::string figures_text(const report::MonteCarloPage& page) {
   for (const scene::ExcavationFigures& e : page.excavations) {
     text += say("excavated    {name}, {volume_m3:.6g} m3\n", e);
   }
+  const auto line = [](const Estimate& e) {
+    return fmt::format("  {:<44} ", e.name) + say("{mean:>12.5g} +- {standard_error:<10.3g} [{low:.5g}, {high:.5g}]\n",
+                                                  group([&](auto& v) { mean_fields(v, e); }));
+  };
   for (const Estimate& e : f.estimates) {
-    if (e.name.starts_with("share") || e.name.starts_with("first_batch_share")) continue;
-    text += fmt::format("  {:<44} ", e.name) + say("{mean:>12.5g} +- {standard_error:<10.3g} [{low:.5g}, {high:.5g}]\n",
-                                                   group([&](auto& v) { mean_fields(v, e); }));
+    if (!e.name.starts_with("share") && !e.name.starts_with("first_batch_share")) text += line(e);
+  }
+  for (const stochastic::CaseEstimates& under : f.cases) {
+    text += fmt::format("load case     {}\n", under.name);
+    for (const Estimate& e : under.estimates) text += line(e);
   }
   for (const auto& e : f.exceedances) {
     text += say("  P(key block above {volume_m3:g} m3){probability:>24.5g} [{low:.5g}, {high:.5g}]\n", e);

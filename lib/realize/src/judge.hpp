@@ -1,11 +1,18 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "cleave/realize/run.hpp"
 #include "cleave/stability/analyse.hpp"
 
 namespace cleave::scene {
+
+/// How much is judged.
+enum class Detail : std::uint8_t {
+  shown,   ///< all that a result shows
+  counted  ///< what ensembles count: nothing that is only flagged, no key groups but those that decide, no designs
+};
 
 /// What the analysis needs, from a scene and its drawn joints. Everything was checked when the scene was parsed.
 [[nodiscard]] stability::Settings settings_of(const Scene& scene, const SampledScene& drawn, const LoadSet& loads);
@@ -39,14 +46,10 @@ void judge_support_in_stages(const Scene& scene, Realization& made);
 // `Realization::undecided`.
 void forget_cases_and_support(Realization& made);
 void judge_cases(const Scene& scene, const topology::AuditedComplex& complex, Realization& made);
-/// After `judge_cases`: the support is checked under each named case too. `designs`: its designs are searched for, if
-/// the scene asks for them.
+/// After `judge_cases`: the support is checked under each named case too. Shown: with factors, and its designs are
+/// searched for, if the scene asks for them.
 void judge_support(const Scene& scene, const topology::AuditedComplex& complex, const stability::Analysis& analysis,
-                   Realization& made, bool designs);
-/// The support plan as it stands, under the base case; no design is searched for. Without `factors` the verdicts alone.
-[[nodiscard]] stability::SupportResult judge_plan(const Scene& scene, const SampledScene& drawn,
-                                                  const topology::AuditedComplex& complex,
-                                                  const stability::Analysis& analysis, bool factors);
+                   Realization& made, Detail detail);
 void judge_maximum_blocks(const Scene& scene, Realization& made);
 
 }  // namespace cleave::scene

@@ -330,14 +330,6 @@ void judge_cases(const Scene& scene, const topology::AuditedComplex& complex, Re
   }
 }
 
-stability::SupportResult judge_plan(const Scene& scene, const SampledScene& drawn,
-                                    const topology::AuditedComplex& complex, const stability::Analysis& analysis,
-                                    bool factors) {
-  stability::SupportPlan plan = scene.support->plan;
-  plan.factors = factors;
-  return check_support(complex, settings_on(complex.complex(), scene, drawn, scene.stability->loads), analysis, plan);
-}
-
 void judge_support_in_stages(const Scene& scene, Realization& made) {
   for (StageResult& row : made.sequence->stages) {
     if (!row.complex || !*row.complex || !row.analysis) continue;
@@ -372,19 +364,21 @@ void judge_support_in_stages(const Scene& scene, Realization& made) {
 }
 
 void judge_support(const Scene& scene, const topology::AuditedComplex& complex, const stability::Analysis& analysis,
-                   Realization& made, bool designs) {
+                   Realization& made, Detail detail) {
   const stability::Settings settings = settings_on(complex.complex(), scene, made, scene.stability->loads);
   const SupportSettings& support = *scene.support;
-  made.support = judge_plan(scene, made, complex, analysis, designs);
+  stability::SupportPlan plan = support.plan;
+  plan.factors = plan.factors && detail == Detail::shown;
+  made.support = check_support(complex, settings, analysis, plan);
   note(made.support->undecided, made);
   for (std::size_t k = 0; k < made.load_cases.size(); ++k) {
     const LoadCase& load = scene.stability->cases[k];
     made.support_cases.push_back(
         {load.name, check_support(complex, settings_on(complex.complex(), scene, made, load.loads),
-                                  made.load_cases[k].analysis, support.plan)});
+                                  made.load_cases[k].analysis, plan)});
     note(made.support_cases.back().support.undecided, made);
   }
-  if (!support.design || !designs || !made.undecided.empty()) return;
+  if (!support.design || detail == Detail::counted || !made.undecided.empty()) return;
   const bool groups = scene.stability->groups != stability::GroupsCheck::off;
   const auto asked = groups ? std::optional{together(scene)} : std::nullopt;
   std::vector<PlanCheck> checks;

@@ -75,6 +75,9 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
                                       .strengths_per_geometry = strengths_per_geometry(scene)};
   if (!questions.axis.empty()) options.tunnel_length_m = stochastic::length_of(questions.axis);
   for (const auto& [name, p] : Percentiles::levels) options.size_levels.push_back(p);
+  if (scene.stability) {
+    for (const LoadCase& load : scene.stability->cases) options.cases.push_back(load.name);
+  }
   for (const NamedSet& set : scene.sets) options.sets.push_back(set.name);
   for (const ScanLine& line : scene.lines) options.lines.push_back(line.name);
   options.undisturbed = questions.undisturbed.has_value();
@@ -85,10 +88,56 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
 namespace {
 
 /// Where it was asked, also when too many blocks were near to look.
-stochastic::SupportedTogether supported_together(const Realization& made) {
-  if (!made.group_support) return {.too_many = true};
-  const SupportedGroupFigures figures = count_supported_groups(*made.group_support);
+stochastic::SupportedTogether supported_together(const std::optional<stability::GroupSupport>& found) {
+  if (!found) return {.too_many = true};
+  const SupportedGroupFigures figures = count_supported_groups(*found);
   return {.not_held = figures.not_held, .in_doubt = figures.in_doubt, .not_held_volume = figures.not_held_volume};
+}
+
+stochastic::Supported tally_support(const topology::BlockComplex& complex, const stability::SupportResult& support,
+                                    const std::optional<stability::GroupSupport>& together,
+                                    const stochastic::Questions& questions) {
+  stochastic::Supported sum;
+  sum.spot_bolts = support.spot_bolts;
+  for (const stability::SupportedBlock& block : support.blocks) {
+    ++sum.needing;
+    if (block.held != stability::Held::not_held) continue;
+    ++sum.not_held;
+    sum.not_held_m3 += complex.blocks()[block.block].volume.si();
+    // A block that no force holds at its target has an infinite lack: counted, not added.
+    if (std::isfinite(block.missing_force)) sum.missing_n += block.missing_force;
+  }
+  for (const stability::CombinedBlock& body : support.combined) sum.failing_bodies += body.passes ? 0U : 1U;
+  if (questions.groups) sum.groups = supported_together(together);
+  return sum;
+}
+
+stochastic::Grouped tally_groups(const stability::KeyGroups& found) {
+  stochastic::Grouped groups;
+  groups.too_many = found.too_many;
+  for (const stability::KeyGroup& group : found.groups) {
+    const bool doubt = group.verdict == assembly::Verdict::in_doubt;
+    ++(doubt ? groups.in_doubt : groups.moving);
+    (doubt ? groups.in_doubt_volume : groups.moving_volume) += group.volume;
+  }
+  return groups;
+}
+
+std::vector<stochastic::CaseTally> tally_cases(const Realization& made, const stochastic::Questions& questions) {
+  const topology::BlockComplex& complex = made.complex->complex();
+  std::vector<stochastic::CaseTally> tallies;
+  for (std::size_t k = 0; k < made.load_cases.size(); ++k) {
+    const CaseResult& load = made.load_cases[k];
+    stochastic::CaseTally& tally = tallies.emplace_back(stochastic::measure_case(complex, load.analysis));
+    if (const auto& held = questions.groups ? load.domain_held : load.held_alone) {
+      tally.border = {.count = held->blocks.size(), .volume = held->volume};
+    }
+    if (questions.groups && load.groups) tally.groups = tally_groups(*load.groups);
+    if (k >= made.support_cases.size()) continue;
+    const CaseSupport& with = made.support_cases[k];
+    tally.support = tally_support(complex, with.support, with.groups, questions);
+  }
+  return tallies;
 }
 
 std::vector<stochastic::SetTally> tally_sets(const SampledScene& made) {
@@ -125,29 +174,9 @@ Record record_of(std::uint64_t k, const Realization& made, const Shared& shared)
     const double rqd = found.length.si() > 0 ? survey::rqd_measured(found.pieces, found.length.si()) : 0;
     record.lines.push_back({found.joints, found.length, rqd});
   }
-  if (made.support) {
-    stochastic::Supported& sum = record.support.emplace();
-    sum.spot_bolts = made.support->spot_bolts;
-    for (const stability::SupportedBlock& block : made.support->blocks) {
-      ++sum.needing;
-      if (block.held != stability::Held::not_held) continue;
-      ++sum.not_held;
-      sum.not_held_m3 += complex.blocks()[block.block].volume.si();
-      // A block that no force holds at its target has an infinite lack: counted, not added.
-      if (std::isfinite(block.missing_force)) sum.missing_n += block.missing_force;
-    }
-    for (const stability::CombinedBlock& body : made.support->combined) sum.failing_bodies += body.passes ? 0U : 1U;
-    if (questions.groups) sum.groups = supported_together(made);
-  }
-  if (questions.groups && made.key_groups) {
-    stochastic::Grouped& groups = record.groups.emplace();
-    groups.too_many = made.key_groups->too_many;
-    for (const stability::KeyGroup& group : made.key_groups->groups) {
-      const bool doubt = group.verdict == assembly::Verdict::in_doubt;
-      ++(doubt ? groups.in_doubt : groups.moving);
-      (doubt ? groups.in_doubt_volume : groups.moving_volume) += group.volume;
-    }
-  }
+  if (made.support) record.support = tally_support(complex, *made.support, made.group_support, questions);
+  if (questions.groups && made.key_groups) record.groups = tally_groups(*made.key_groups);
+  record.cases = tally_cases(made, questions);
   if (made.field_stress) {
     record.clamped = {.held = made.field_stress->held,
                       .undecided = made.field_stress->undecided,

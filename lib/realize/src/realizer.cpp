@@ -133,7 +133,7 @@ Realizer::Done Realizer::cut_near_free_faces() {
       booked(Step::stability, [&] { judge_cases(*scene_, complex, made_); });
     }
     if (scene_->support && made_.undecided.empty()) {
-      booked(Step::support, [&] { judge_support(*scene_, complex, analysis, made_, detail_ == Detail::shown); });
+      booked(Step::support, [&] { judge_support(*scene_, complex, analysis, made_, detail_); });
     }
     // The replay of a realization cuts what the ensemble cut.
     const bool grows = judges_groups() && (!scene_->monte_carlo || scene_->stability->decides_by_groups());
@@ -187,6 +187,7 @@ stability::Analysis Realizer::analyse(const topology::AuditedComplex& complex) c
 Realizer::Done Realizer::judge() {
   const topology::AuditedComplex& complex = *made_.complex;
   if (!near_) {
+    forget_cases_and_support(made_);
     if (in_stages_ && final_state_) {
       made_.sequence =
           judge_stages(*scene_, *in_stages_, *final_state_, [&](const auto& state) { return analyse(state); });
@@ -201,6 +202,7 @@ Realizer::Done Realizer::judge() {
   if (detail_ == Detail::counted) {
     if (judges_groups()) judge_groups();
     hold_by_border(settings(complex.complex()));
+    judge_load_cases();
     return {};
   }
   made_.key_block_hash = hash_of_key_blocks(complex.complex(), *made_.analysis);
@@ -220,22 +222,14 @@ Realizer::Done Realizer::judge() {
     }
   }
   hold_by_border(with);
-  if (!near_) judge_cases(*scene_, complex, made_);
-  if (scene_->stability->groups != stability::GroupsCheck::off) {
-    judge_groups_of_cases();
+  judge_load_cases();
+  if (judges_groups()) {
     judge_groups_of_stages();
     judge_groups_below_target();
     made_.group_factor.reset();
     if (scene_->stability->group_factor) {
       made_.group_factor = stability::factor_together(complex, with);
     }
-  }
-  for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
-    CaseResult& load = made_.load_cases[k];
-    const stability::Settings pushed =
-        of_detail(settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads));
-    load.domain_held =
-        with_groups(stability::domain_held(complex, pushed, load.analysis), pushed, load.analysis, load.groups);
   }
   made_.sensitivity = stability::sensitivity(complex, with, *made_.analysis);
   judge_maximum_blocks(*scene_, made_);
@@ -285,6 +279,20 @@ void Realizer::judge_groups() {
   made_.key_block_hash = hash_of_key_blocks(complex.complex(), *made_.analysis);
 }
 
+/// Those of a window were judged when it was cut.
+void Realizer::judge_load_cases() {
+  const topology::AuditedComplex& complex = *made_.complex;
+  if (!near_) judge_cases(*scene_, complex, made_);
+  if (judges_groups()) judge_groups_of_cases();
+  for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
+    CaseResult& load = made_.load_cases[k];
+    const stability::Settings pushed =
+        of_detail(settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads));
+    load.held_alone = stability::domain_held(complex, pushed, load.analysis);
+    load.domain_held = with_groups(*load.held_alone, pushed, load.analysis, load.groups);
+  }
+}
+
 void Realizer::judge_groups_of_cases() {
   const topology::AuditedComplex& complex = *made_.complex;
   for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
@@ -309,11 +317,7 @@ void Realizer::judge_groups_of_stages() {
 }
 
 void Realizer::support() {
-  if (detail_ == Detail::counted) {
-    made_.support = judge_plan(*scene_, made_, *made_.complex, *made_.analysis, false);
-  } else if (made_.undecided.empty()) {
-    judge_support(*scene_, *made_.complex, *made_.analysis, made_, true);
-  }
+  if (made_.undecided.empty()) judge_support(*scene_, *made_.complex, *made_.analysis, made_, detail_);
 }
 
 /// Whether it holds groups that miss their target, in the base case and in each load case; ensembles ask it where

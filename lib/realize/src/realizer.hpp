@@ -8,14 +8,9 @@
 
 #include "cleave/realize/run.hpp"
 #include "cleave/topology/sequence.hpp"
+#include "judge.hpp"
 
 namespace cleave::scene {
-
-/// How much is judged.
-enum class Detail : std::uint8_t {
-  shown,   ///< all that a result shows
-  counted  ///< what ensembles count: nothing that is only flagged, no load cases, no key groups, no designs
-};
 
 /// Makes one realization of a scene by executing the steps of its plan: of a single run, an ensemble, a shard and a
 /// replay. Each step is booked and shown under its name.
@@ -46,6 +41,8 @@ class Realizer final {
   [[nodiscard]] bool judges_groups() const;
   void find_groups(const topology::AuditedComplex& complex);
   void judge_groups();
+  /// Each [[load]], with its groups where they are judged.
+  void judge_load_cases();
   void judge_groups_of_cases();
   void judge_groups_of_stages();
   void judge_groups_below_target();

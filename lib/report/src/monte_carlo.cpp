@@ -32,8 +32,8 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
   }
   if (scene.stability && !scene.stability->cases.empty()) {
     page.result.figures.notes.push_back(
-        "no [[load]] is in these figures: they are of the base case, and under load more may fail; put the loads that "
-        "count into [stability], in an ensemble of their own; a replay of a realization judges every load case");
+        "quantities, quantiles, exceedance, factors and pressures are those of the base case; what moves under each "
+        "[[load]] stands in load_cases");
   }
   if (scene.stability && scene.sequence) {
     page.result.figures.notes.push_back(

@@ -279,6 +279,48 @@ std::string orders_table(const MonteCarloPage& page) {
          "</section>\n";
 }
 
+/// The base case and each load case, with what its estimates tell of failure.
+std::string cases_table(const Figures& f) {
+  if (f.cases.empty()) return {};
+  const std::string confidence = percent(f.confidence) + " interval";
+  std::vector<stochastic::CaseEstimates> rows{{"base case", f.estimates}};
+  rows.insert(rows.end(), f.cases.begin(), f.cases.end());
+  const auto row = [](auto& v, const stochastic::CaseEstimates& c) {
+    const auto of = [&](std::string_view name) {
+      const auto it = std::ranges::find(c.estimates, name, &Estimate::name);
+      return it == c.estimates.end() ? std::nullopt : std::optional{*it};
+    };
+    const auto mean = [&](std::string_view name) {
+      const auto e = of(name);
+      return e ? std::optional{e->mean} : std::nullopt;
+    };
+    const auto range = [&](std::string_view name) {
+      const auto e = of(name);
+      return e ? std::optional{interval(e->low, e->high)} : std::nullopt;
+    };
+    v("name", c.name);
+    v("probability", mean("probability_of_failure"));
+    v("probability_interval", range("probability_of_failure"));
+    v("count", mean("key_block_count"));
+    v("volume_m3", mean("key_block_volume_m3"));
+    v("volume_interval", range("key_block_volume_m3"));
+    v("support_fails", mean("support_fails"));
+    v("support_interval", range("support_fails"));
+  };
+  return "<section id=\"load-cases\"><h2>Load cases</h2>\n<p class=\"small\">The same realizations under each "
+         "load. All quantities: summary.json.</p>\n" +
+         html_table({{"name", "Case"},
+                     {"probability", "Probability of a key block"},
+                     {"probability_interval", confidence},
+                     {"count", "Key blocks"},
+                     {"volume_m3", "Their volume (m³)"},
+                     {"volume_interval", confidence},
+                     {.name = "support_fails", .heading = "Probability that the support fails", .optional = true},
+                     {.name = "support_interval", .heading = confidence, .optional = true}},
+                    each(rows, row)) +
+         "</section>\n";
+}
+
 std::string variances_table(const Figures& f) {
   if (f.variances.empty()) return {};
   std::string out =
@@ -398,6 +440,7 @@ std::string monte_carlo_html(const MonteCarloPage& page) {
   out += detail::lines_table(f);
   out += probability_table(f);
   out += pressure_table(f);
+  out += cases_table(f);
   out += orders_table(page);
   out += estimates_table(f);
   out += variances_table(f);

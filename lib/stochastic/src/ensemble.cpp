@@ -37,6 +37,8 @@ Ensemble::Ensemble(EnsembleOptions options)
       numbers_above_(options_.volumes_m3.size()),
       chainage_(options_.volumes_m3.size(), std::vector<Moments>(options_.chainage_parts)),
       orders_(options_.orders),
+      cases_(options_.cases.size(),
+             {std::vector<Moments>(quantities().size()), std::vector<Tail>(quantities().size())}),
       block_sizes_{options_.sets.size(), options_.lines.size()},
       within_(quantities().size()),
       within_squares_(quantities().size()),
@@ -52,6 +54,23 @@ Ensemble::Ensemble(EnsembleOptions options)
   CLEAVE_ASSERT(running != nullptr);
   running_index_ = static_cast<std::size_t>(running - quantities().data());
 }
+
+namespace {
+
+/// With what load cases are counted by.
+Record as_record(const CaseTally& c) {
+  Record record;
+  record.all.count = c.count;
+  record.all.volume_m3 = c.volume.si();
+  record.all.largest_m3 = c.largest.si();
+  record.all.support_n = c.net.si();
+  record.support = c.support;
+  record.groups = c.groups;
+  record.border = c.border;
+  return record;
+}
+
+}  // namespace
 
 /// All that is averaged, one realization's share of it; `add_unit` takes them in the same order.
 std::vector<double> Ensemble::numbers_of(const Record& record) const {
@@ -99,6 +118,12 @@ std::vector<double> Ensemble::numbers_of(const Record& record) const {
     numbers.push_back(number(order.key_blocks) - number(first.key_blocks));
     numbers.push_back(order.key_m3 - first.key_m3);
     numbers.push_back(static_cast<std::size_t>(least - record.orders.begin()) == i ? 1 : 0);
+  }
+  for (std::size_t i = 0; i < cases_.size(); ++i) {
+    const Record under = as_record(i < record.cases.size() ? record.cases[i] : CaseTally{});
+    for (const Quantity& q : quantities()) {
+      if (of_case(q)) numbers.push_back(q.of(under));
+    }
   }
   return numbers;
 }
@@ -196,6 +221,14 @@ void Ensemble::add_unit(const std::vector<double>& sums) {
     for (Moments* moments :
          {&order.count, &order.volume, &order.count_difference, &order.volume_difference, &order.best}) {
       moments->add(take() / m);
+    }
+  }
+  for (CaseMoments& under : cases_) {
+    for (std::size_t i = 0; i < quantities().size(); ++i) {
+      if (!of_case(quantities()[i])) continue;
+      const double mean = take() / m;
+      under.moments[i].add(mean);
+      under.tails[i].add(mean);
     }
   }
   CLEAVE_ASSERT(next == sums.size());

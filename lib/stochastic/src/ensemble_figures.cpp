@@ -60,6 +60,17 @@ Estimate Ensemble::estimate(std::string name, const Moments& m, const Tail& tail
   return e;
 }
 
+Estimate Ensemble::estimate(const Quantity& q, const Moments& moments, const Tail& tail) const {
+  Estimate e = estimate(std::string{q.name}, moments, tail, Method::mean);
+  if (q.probability && units_ > 0) {
+    const Interval exact = probability_interval(moments);
+    e.low = exact.low;
+    e.high = exact.high;
+    e.optimistic = false;
+  }
+  return e;
+}
+
 /// Of a share of blocks, which hang together within a realization: with the effective number of blocks, Student's t in
 /// place of the normal law. Where all or none are of the kind, as many as equal realizations there are.
 Interval Ensemble::share_interval(const PairMoments& pair, double most) const {
@@ -127,6 +138,16 @@ void Ensemble::add_orders(Figures& figures) const {
   }
 }
 
+void Ensemble::add_cases(Figures& figures) const {
+  for (std::size_t k = 0; k < cases_.size(); ++k) {
+    CaseEstimates& under = figures.cases.emplace_back(options_.cases[k]);
+    for (std::size_t i = 0; i < quantities().size(); ++i) {
+      if (!of_case(quantities()[i])) continue;
+      under.estimates.push_back(estimate(quantities()[i], cases_[k].moments[i], cases_[k].tails[i]));
+    }
+  }
+}
+
 void Ensemble::add_variances(Figures& figures) const {
   const std::uint64_t m = options_.strengths_per_geometry;
   if (m == 1 || units_ < 2) return;
@@ -142,13 +163,7 @@ void Ensemble::add_estimates(Figures& figures) const {
   for (std::size_t i = 0; i < quantities().size(); ++i) {
     const Quantity& q = quantities()[i];
     if (!has(q)) continue;
-    Estimate e = estimate(std::string{q.name}, moments_[i], tails_[i], Method::mean);
-    if (q.probability && units_ > 0) {
-      const Interval exact = probability_interval(moments_[i]);
-      e.low = exact.low;
-      e.high = exact.high;
-      e.optimistic = false;
-    }
+    Estimate e = estimate(q, moments_[i], tails_[i]);
     if (q.quantiles && e.realizations >= 3 && lean(e.skewness, e.realizations) > skewed) {
       const std::vector<double> units = (options_.strengths_per_geometry > 1 ? means_[i] : values_[i]).all();
       e.bootstrap = bca_mean(units, options_.confidence, resamples, options_.seed);
@@ -227,14 +242,21 @@ void Ensemble::add_exceedances(Figures& figures) const {
 
 void Ensemble::add_notes(Figures& figures) const {
   std::string heavy;
+  const auto add_heavy = [&](const Estimate& e, const std::string& under) {
+    if (e.optimistic && e.estimable && !e.name.ends_with("_per_metre")) {
+      heavy += (heavy.empty() ? "" : ", ") + e.name + under;
+    }
+  };
   for (const Estimate& e : figures.estimates) {
     if (!e.estimable) {
       figures.notes.push_back(e.name +
                               " has no mean that realizations would show: it hangs on the thinnest sliver met, its "
                               "interval holds nothing; take its quantiles and pressure_exceedance");
-    } else if (e.optimistic && !e.name.ends_with("_per_metre")) {
-      heavy += (heavy.empty() ? "" : ", ") + e.name;
     }
+    add_heavy(e, "");
+  }
+  for (const CaseEstimates& c : figures.cases) {
+    for (const Estimate& e : c.estimates) add_heavy(e, " (load case " + c.name + ")");
   }
   if (!heavy.empty()) {
     figures.notes.push_back(
@@ -362,6 +384,7 @@ Figures Ensemble::figures() const {
   add_quantiles(figures);
   add_exceedances(figures);
   add_orders(figures);
+  add_cases(figures);
   add_block_sizes(figures);
   add_variances(figures);
   add_border(figures);

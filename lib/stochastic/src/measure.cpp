@@ -206,4 +206,17 @@ Record measure(const BlockComplex& complex, const stability::Analysis* analysis,
   return record;
 }
 
+CaseTally measure_case(const BlockComplex& complex, const stability::Analysis& analysis) {
+  CaseTally tally;
+  for (const stability::Judgement& judgement : analysis.judgements) {
+    if (!judgement.batch) continue;
+    const Volume volume = complex.blocks()[judgement.block].volume;
+    ++tally.count;
+    tally.volume += volume;
+    tally.largest = std::max(tally.largest, volume);
+    tally.net += std::max(Force{}, judgement.net);
+  }
+  return tally;
+}
+
 }  // namespace cleave::stochastic

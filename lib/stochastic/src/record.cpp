@@ -184,6 +184,20 @@ std::vector<double> numbers_of(const std::vector<OrderTally>& orders) {
   return numbers;
 }
 
+/// Each optional part with its length before it.
+std::vector<double> numbers_of(const std::vector<CaseTally>& cases) {
+  std::vector<double> numbers;
+  for (const CaseTally& c : cases) {
+    for (const double x : {static_cast<double>(c.count), c.volume.si(), c.largest.si(), c.net.si()})
+      numbers.push_back(x);
+    for (const auto& part : {numbers_of(c.support), numbers_of(c.groups), numbers_of(c.border)}) {
+      numbers.push_back(static_cast<double>(part.size()));
+      numbers.insert(numbers.end(), part.begin(), part.end());
+    }
+  }
+  return numbers;
+}
+
 std::vector<double> numbers_of(const std::optional<WholeBlocks>& w) {
   if (!w) return {};
   std::vector<double> numbers{static_cast<double>(w->count), w->volume.si()};
@@ -254,6 +268,28 @@ bool take(const std::vector<double>& n, std::vector<OrderTally>& orders) {
   return true;
 }
 
+bool take(const std::vector<double>& n, std::vector<CaseTally>& cases) {
+  std::span<const double> rest{n};
+  const auto part = [&](auto& into) {
+    if (rest.empty() || !is_count(rest.front()) || rest.front() >= static_cast<double>(rest.size())) return false;
+    const auto length = static_cast<std::size_t>(rest.front());
+    const std::vector<double> own(rest.begin() + 1, rest.begin() + 1 + static_cast<std::ptrdiff_t>(length));
+    rest = rest.subspan(1 + length);
+    return take(own, into);
+  };
+  while (!rest.empty()) {
+    if (rest.size() < 4 || !is_count(rest[0])) return false;
+    CaseTally& c = cases.emplace_back();
+    c.count = static_cast<std::uint64_t>(rest[0]);
+    c.volume = cubic_metres(rest[1]);
+    c.largest = cubic_metres(rest[2]);
+    c.net = newtons(rest[3]);
+    rest = rest.subspan(4);
+    if (!part(c.support) || !part(c.groups) || !part(c.border)) return false;
+  }
+  return true;
+}
+
 bool take(const std::vector<double>& n, const std::vector<float>& bins, std::optional<WholeBlocks>& whole) {
   if (n.empty()) return bins.empty();
   if (n.size() != 6 || !is_count(n[0]) || bins.size() % 3 != 0) return false;
@@ -307,7 +343,7 @@ std::string_view record_columns() noexcept {
          "first_count,first_volume_m3,first_largest_m3,first_support_n,first_support_transferred_n,first_falling,"
          "first_lifting,first_sliding,first_wedge,first_tetrahedral,first_pentahedral,first_hexahedral,first_higher,"
          "first_other,first_concave,first_sphericity_sum,first_sizes,above,chainage_m3,support,orders,groups,clamped,"
-         "border,whole,whole_bins,sets,lines,crc32";
+         "border,whole,whole_bins,sets,lines,cases,crc32";
 }
 
 std::string line_of(const Record& r) {
@@ -334,12 +370,14 @@ std::string line_of(const Record& r) {
                                              numbers_of(r.clamped), numbers_of(r.border)}) {
     w.list(std::span{numbers});
   }
-  const std::vector<double> whole = numbers_of(r.whole), sets = numbers_of(r.sets), lines = numbers_of(r.lines);
+  const std::vector<double> whole = numbers_of(r.whole), sets = numbers_of(r.sets), lines = numbers_of(r.lines),
+                            cases = numbers_of(r.cases);
   const std::vector<float> bins = bins_of(r.whole);
   w.list(std::span{whole});
   w.list(std::span{bins});
   w.list(std::span{sets});
   w.list(std::span{lines});
+  w.list(std::span{cases});
   return std::move(w).finish();
 }
 
@@ -373,7 +411,7 @@ std::optional<Record> record_of(std::string_view line) {
   r.tally(record.first);
   r.list(record.above);
   r.list(record.chainage_m3);
-  std::vector<double> support, orders, groups, clamped, border, whole, sets, lines;
+  std::vector<double> support, orders, groups, clamped, border, whole, sets, lines, cases;
   std::vector<float> bins;
   r.list(support);
   r.list(orders);
@@ -384,9 +422,10 @@ std::optional<Record> record_of(std::string_view line) {
   r.list(bins);
   r.list(sets);
   r.list(lines);
+  r.list(cases);
   if (!take(support, record.support) || !take(orders, record.orders) || !take(groups, record.groups) ||
       !take(clamped, record.clamped) || !take(border, record.border) || !take(whole, bins, record.whole) ||
-      !take(sets, record.sets) || !take(lines, record.lines)) {
+      !take(sets, record.sets) || !take(lines, record.lines) || !take(cases, record.cases)) {
     return std::nullopt;
   }
   if (!record.factors.empty() && record.factors.size() != factor_bins) return std::nullopt;

@@ -136,7 +136,8 @@ void fields(V& v, const MotionResult& x) {
 struct CaseResult {
   std::string name;
   stability::Analysis analysis;
-  std::optional<stability::KeyGroups> groups = {};  ///< blocks judged together, where the scene asks for it
+  std::optional<stability::KeyGroups> groups = {};       ///< blocks judged together, where the scene asks for it
+  std::optional<stability::DomainHeld> held_alone = {};  ///< by the border of the domain, of blocks one by one
   std::optional<stability::DomainHeld> domain_held = {};
 };
 

@@ -228,6 +228,16 @@ void fields(V& v, const MonteCarloPage& x) {
                         order_fields(o, order, at < x.orders.size() ? x.orders[at] : std::vector<std::uint32_t>{});
                       })),
         "orders of the excavation stages, the scene's own first; differences are paired");
+      w("load_cases",
+        when_any(each(f.cases,
+                      [&](auto& c, const stochastic::CaseEstimates& under) {
+                        c("name", under.name);
+                        c("quantities",
+                          by_name(under.estimates, &stochastic::Estimate::name,
+                                  [&](auto& q, const stochastic::Estimate& e) { quantity_fields(q, e, f.confidence); }),
+                          "by name, as of the base case");
+                      })),
+        "the same realizations under each [[load]]");
       w("nested", when(f.strengths_per_geometry != 1, group([&](auto& n) {
                          n("strengths_per_geometry", f.strengths_per_geometry);
                          n("variances",

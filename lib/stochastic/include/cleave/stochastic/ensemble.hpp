@@ -27,6 +27,7 @@ struct Quantity {
   bool groups = false;       ///< needs blocks judged together
   bool clamped = false;      ///< needs the stress across joints
   bool by_slivers = false;   ///< hangs on the thinnest block met: means do not settle
+  bool by_case = false;      ///< given for each load case as well
 };
 [[nodiscard]] const std::vector<Quantity>& quantities();
 /// The quantity of a scene's word: with or without its unit ("key_block_volume", "key_block_volume_m3").
@@ -82,6 +83,12 @@ struct OrderFigures {
   Estimate key_blocks, key_m3;
   Estimate key_blocks_minus_first, key_m3_minus_first;
   double share_best = 0;  ///< of the realizations in which no order before it has as little volume, and none after less
+};
+
+/// What moves under a load case: its name and the quantities given for each.
+struct CaseEstimates {
+  std::string name;
+  std::vector<Estimate> estimates;
 };
 
 /// One point of a size distribution: share of the key blocks, by number and by volume, below a volume; from all blocks
@@ -163,6 +170,7 @@ struct Figures {
   std::vector<QuantileEstimate> quantiles;
   std::vector<Exceedance> exceedances;
   std::vector<OrderFigures> orders;  ///< of a scene with [sequence]
+  std::vector<CaseEstimates> cases;  ///< of a scene with [[load]]
   std::uint64_t strengths_per_geometry = 1;
   std::vector<VarianceShare> variances;  ///< of a nested design
   std::vector<SizePoint> sizes, first_sizes;
@@ -201,6 +209,7 @@ struct EnsembleOptions {
   bool groups = false;                   ///< blocks were judged together
   bool clamped = false;                  ///< stress across joints was looked at
   std::size_t orders = 0;                ///< of excavation stages
+  std::vector<std::string> cases = {};   ///< names of the load cases, in the order of the records
   std::vector<std::string> sets = {};    ///< names of the joint sets, in the order of the records
   std::vector<std::string> lines = {};   ///< names of the scanlines, in the order of the records
   std::vector<double> size_levels = {};  ///< shares at which block sizes are given
@@ -268,6 +277,7 @@ class Ensemble final {
   [[nodiscard]] bool has(bool stability, bool whole_system) const {
     return (options_.stability || !stability) && (options_.whole_system || !whole_system);
   }
+  [[nodiscard]] bool of_case(const Quantity& q) const { return q.by_case && has(q); }
   [[nodiscard]] bool has(const Quantity& q) const {
     return has(q.stability, q.whole_system) && (options_.support || !q.support) && (options_.groups || !q.groups) &&
            (options_.clamped || !q.clamped);
@@ -277,6 +287,8 @@ class Ensemble final {
   [[nodiscard]] std::vector<double> numbers_of(const Record& record) const;
   void add_unit(const std::vector<double>& sums);
   void add_extremes(const Record& record);
+  /// With the interval of a probability where it is one.
+  [[nodiscard]] Estimate estimate(const Quantity& quantity, const Moments& moments, const Tail& tail) const;
   [[nodiscard]] Estimate estimate(std::string name, const Moments& moments, const Tail& tail, Method method) const;
   /// `most`: independent trials that there can be at most.
   [[nodiscard]] Interval share_interval(const PairMoments& pair, double most) const;
@@ -285,6 +297,7 @@ class Ensemble final {
   [[nodiscard]] Interval probability_interval(const Moments& hits) const;
   [[nodiscard]] Interval volume_share_interval(const PairMoments& pair, double most) const;
   void add_orders(Figures& figures) const;
+  void add_cases(Figures& figures) const;
   void add_block_sizes(Figures& figures) const;
   void add_variances(Figures& figures) const;
   void add_estimates(Figures& figures) const;
@@ -314,6 +327,11 @@ class Ensemble final {
     Tail count_tail, volume_tail;
   };
   std::vector<OrderMoments> orders_;
+  struct CaseMoments {
+    std::vector<Moments> moments;  // of quantities()
+    std::vector<Tail> tails;
+  };
+  std::vector<CaseMoments> cases_;
   BlockSizeSums block_sizes_;
   // Of the geometry at work: sums over its realizations, moments of the quantities, how many are there.
   std::vector<double> sums_;

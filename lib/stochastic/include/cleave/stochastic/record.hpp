@@ -116,6 +116,17 @@ struct HeldByBorder {
   friend bool operator==(const HeldByBorder&, const HeldByBorder&) = default;
 };
 
+/// What moves under a load case, `[[load]]`.
+struct CaseTally {
+  std::uint64_t count = 0;  ///< key blocks
+  Volume volume = {}, largest = {};
+  Force net = {};                      ///< sum of the net forces
+  std::optional<Supported> support;    ///< of a scene with [support]
+  std::optional<Grouped> groups;       ///< of a scene with groups = "decide"
+  std::optional<HeldByBorder> border;  ///< where it was asked
+  friend bool operator==(const CaseTally&, const CaseTally&) = default;
+};
+
 /// Whole blocks of one bin of SizeHistogram. A block counts as often as its weight says.
 struct SizeBin {
   std::uint32_t bin = 0;
@@ -188,6 +199,7 @@ struct Record {
   std::vector<SetTally> sets;          ///< in the order of the scene's sets
   std::vector<LineTally> lines;        ///< in the order of the scene's lines
   std::vector<OrderTally> orders;      ///< of a scene with [sequence]: its own order first, then those to compare
+  std::vector<CaseTally> cases;        ///< in the order of the scene's load cases
   friend bool operator==(const Record&, const Record&) = default;
 };
 
@@ -283,5 +295,7 @@ struct Questions {
 /// holds, where it was asked. A face to a block that left before counts as free, as it was when the block was judged.
 [[nodiscard]] Record measure(const topology::BlockComplex& complex, const stability::Analysis* analysis,
                              const Questions& questions, const stability::DomainHeld* held = nullptr);
+/// The key blocks under a load case.
+[[nodiscard]] CaseTally measure_case(const topology::BlockComplex& complex, const stability::Analysis& analysis);
 
 }  // namespace cleave::stochastic
