@@ -169,8 +169,8 @@ struct Figures {
   std::vector<Estimate> estimates;
   std::vector<QuantileEstimate> quantiles;
   std::vector<Exceedance> exceedances;
-  std::vector<OrderFigures> orders;  ///< of a scene with [sequence]
-  std::vector<CaseEstimates> cases;  ///< of a scene with [[load]]
+  std::vector<OrderFigures> orders;       ///< of a scene with [sequence]
+  std::vector<CaseEstimates> cases = {};  ///< of a scene with [[load]]
   std::uint64_t strengths_per_geometry = 1;
   std::vector<VarianceShare> variances;  ///< of a nested design
   std::vector<SizePoint> sizes, first_sizes;
