@@ -60,6 +60,24 @@ TEST_F(CommandsTest, SceneOfATunnelHasKeyBlocksAndTheTableIsReadByBoth) {
   EXPECT_EQ(nlohmann::json::parse(read("of_table/summary.json"))["input"]["joints"].get<int>(), 15);
 }
 
+// Each kind of survey with its table: sets that a scene can take.
+TEST_F(CommandsTest, SurveysOfEachKindGiveSets) {
+  for (const std::string kind : {"scanline", "borehole", "window"}) {
+    SCOPED_TRACE(kind);
+    ASSERT_EQ(
+        shell("cleave init " + kind + " > " + kind + ".toml && cleave init " + kind + "-csv > " + kind + ".csv").code,
+        0);
+    const Ended check = cleave("check " + kind + ".toml");
+    EXPECT_EQ(check.code, 0) << check.err;
+    const Ended survey = cleave("survey " + kind + ".toml -o " + kind);
+    ASSERT_EQ(survey.code, 0) << survey.err;
+    write("scene.toml",
+          "include = [\"" + kind + "/sets.toml\"]\n[domain]\nbox = { min = [0, 0, 0], max = [10, 10, 10] }\n");
+    EXPECT_EQ(cleave("run scene.toml --quiet -o out").code, 0);
+    EXPECT_GT(nlohmann::json::parse(read("out/summary.json"))["input"]["joints"].get<int>(), 10);
+  }
+}
+
 TEST_F(CommandsTest, AWrongOptionIsNamedBeforeAMissingOne) {
   EXPECT_NE(cleave("run --what").err.find("--what"), std::string::npos);
   EXPECT_NE(cleave("run s.toml --out-folder out").err.find("--out-folder"), std::string::npos);

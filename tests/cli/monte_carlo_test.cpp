@@ -51,6 +51,7 @@ TEST_F(MonteCarloTest, LoadCasesAreAnEnsembleOfTheirOwn) {
     const Ended shaken = cleave("run s.toml -o out");
     ASSERT_EQ(shaken.code, 0) << shaken.err;
     EXPECT_TRUE(shaken.out.contains("load case     quake"));
+    EXPECT_TRUE(shaken.out.contains("what moves under each [[load]] stands in load_cases"));
     EXPECT_TRUE(read("out/report.html").contains("id=\"load-cases\""));
     const json base = section("out"), cases = base["load_cases"];
     ASSERT_EQ(cases.size(), 1U);

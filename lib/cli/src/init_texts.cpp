@@ -325,6 +325,7 @@ constexpr std::array<InitText, 7> texts{{{"tunnel", tunnel, &scene::scene_keys},
 std::vector<InitText> init_texts() {
   std::vector<InitText> all{texts.begin(), texts.end()};
   std::ranges::copy(special_init_texts(), std::back_inserter(all));
+  std::ranges::copy(survey_init_texts(), std::back_inserter(all));
   return all;
 }
 

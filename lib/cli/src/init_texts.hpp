@@ -16,5 +16,7 @@ struct InitText {
 [[nodiscard]] std::vector<InitText> init_texts();
 /// Those that show one thing.
 [[nodiscard]] std::span<const InitText> special_init_texts() noexcept;
+/// Surveys, with the tables that they read.
+[[nodiscard]] std::span<const InitText> survey_init_texts() noexcept;
 
 }  // namespace cleave::cli
