@@ -128,7 +128,7 @@ class Interior final {
  private:
   /// Forces inside their cones, and not nearer to the skin than `start`.
   void begin(std::vector<Eigen::Vector3d>& x, const Options& options);
-  [[nodiscard]] bool all_inside(Eigen::Vector3d cones::Cone::*which) const {
+  [[nodiscard]] bool all_inside(Eigen::Vector3d cones::Cone::* which) const {
     return std::ranges::all_of(cones_, [&](const cones::Cone& c) { return cones::square(c.*which) > 0; });
   }
   /// Of the cones, after a share of the step.
