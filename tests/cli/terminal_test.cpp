@@ -104,6 +104,26 @@ TEST(TerminalTest, SupportAndMotion) {
   EXPECT_NE(log_of(r).find("\nresult\n" + text), std::string::npos);
 }
 
+// What passes in the end may fail on the way there, or under load: the first line says so.
+TEST(TerminalTest, SupportThatDoesNotPassEverywhere) {
+  scene::RunResult r = result();
+  const auto line = [&](bool passes, std::vector<std::uint32_t> stages, const std::vector<std::string>& cases) {
+    r.figures.support = scene::SupportFigures{.passes = passes, .failing_stages = std::move(stages)};
+    r.figures.support_cases.clear();
+    for (const std::string& name : cases) r.figures.support_cases.push_back({name, {.passes = name == "calm"}});
+    const std::string text = figures_of(r);
+    const std::size_t at = text.find("support      ");
+    return text.substr(at, text.find(':', at) - at);
+  };
+  EXPECT_EQ(line(true, {}, {}), "support      passes");
+  EXPECT_EQ(line(true, {}, {"calm"}), "support      passes");
+  EXPECT_EQ(line(true, {}, {"calm", "quake"}), "support      passes without load, DOES NOT PASS under quake");
+  EXPECT_EQ(line(true, {1}, {}), "support      passes when all is excavated, DOES NOT PASS after stage 1");
+  EXPECT_EQ(line(true, {1, 3}, {"quake"}),
+            "support      passes without load when all is excavated, DOES NOT PASS under quake, after stages 1, 3");
+  EXPECT_EQ(line(false, {1}, {"quake"}), "support      DOES NOT PASS");
+}
+
 struct Row {
   std::optional<double> volume;
 };

@@ -524,6 +524,9 @@ TEST(KeyGroupsScene, SupportIsAskedToHoldThemAfterEachStage) {
     EXPECT_EQ(support->groups->count, below);
     EXPECT_EQ(support->groups->not_held, below);
     EXPECT_EQ(notes_with(result, "after stage 1: the support installed by then does not hold 1 of 1 group"), below);
+    const auto& failing = result.figures.support->failing_stages;
+    ASSERT_TRUE(failing.has_value());
+    EXPECT_EQ(std::ranges::count(*failing, 1U), below);
   }
 }
 

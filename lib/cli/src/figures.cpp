@@ -69,11 +69,11 @@ std::string design_line(const scene::DesignResult& design) {
 
 std::string support_lines(const scene::SupportFigures& support, const std::vector<scene::DesignResult>& designs,
                           const std::vector<scene::SupportCaseFigures>& cases) {
-  const std::vector<std::string> failing = scene::failing_cases(cases);
-  const std::string verdict =
-      !support.passes   ? "DOES NOT PASS"
-      : failing.empty() ? "passes"
-                        : fmt::format("passes without load, DOES NOT PASS under {}", fmt::join(failing, ", "));
+  const scene::FailsElsewhere elsewhere = scene::fails_elsewhere(support, cases);
+  const std::string verdict = !support.passes ? "DOES NOT PASS"
+                              : elsewhere.fails.empty()
+                                  ? "passes"
+                                  : fmt::format("passes {}, DOES NOT PASS {}", elsewhere.passes, elsewhere.fails);
   std::string text =
       fmt::format("support      {}: ", verdict) +
       say("{blocks} blocks below their target, {held_by_bolts} held by bolts, {held_by_shotcrete} by shotcrete, "

@@ -1,5 +1,7 @@
 #include "cleave/realize/figures.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -151,6 +153,21 @@ std::vector<std::string> failing_cases(const std::vector<SupportCaseFigures>& ca
   return names;
 }
 
+FailsElsewhere fails_elsewhere(const SupportFigures& support, const std::vector<SupportCaseFigures>& cases) {
+  std::vector<std::string_view> passes;
+  std::vector<std::string> fails;
+  if (const auto names = failing_cases(cases); !names.empty()) {
+    passes.emplace_back("without load");
+    fails.push_back(fmt::format("under {}", fmt::join(names, ", ")));
+  }
+  if (support.failing_stages && !support.failing_stages->empty()) {
+    passes.emplace_back("when all is excavated");
+    fails.push_back(fmt::format("after {} {}", support.failing_stages->size() == 1 ? "stage" : "stages",
+                                fmt::join(*support.failing_stages, ", ")));
+  }
+  return {fmt::format("{}", fmt::join(passes, " ")), fmt::format("{}", fmt::join(fails, ", "))};
+}
+
 SupportedGroupFigures count_supported_groups(const stability::GroupSupport& groups) {
   SupportedGroupFigures f;
   f.count = groups.below.groups.size();
@@ -239,6 +256,12 @@ Figures count(const RunResult& result) {
     support.passes = support.passes && support.groups->all_held();
   };
   if (figures.support) add_groups(*figures.support, result.group_support);
+  if (figures.support && result.sequence) {
+    auto& failing = figures.support->failing_stages.emplace();
+    for (const StageResult& row : result.sequence->stages) {
+      if (row.support && !row.support->passes()) failing.push_back(row.stage);
+    }
+  }
   for (const CaseSupport& load : result.support_cases) {
     figures.support_cases.push_back({load.name, count_support(result, load.support)});
     add_groups(figures.support_cases.back().figures, load.groups);

@@ -122,12 +122,13 @@ std::string designs_table(const std::vector<scene::DesignResult>& designs) {
 std::string support_section(const Page& page) {
   if (!page.result.support || !page.figures().support) return {};
   const scene::SupportFigures& f = *page.figures().support;
-  const std::vector<std::string> failing = scene::failing_cases(page.figures().support_cases);
+  const scene::FailsElsewhere elsewhere = scene::fails_elsewhere(f, page.figures().support_cases);
   std::string out =
       "<section id=\"support\"><h2>Support</h2>\n<p>" +
-      std::string{!f.passes         ? "Some blocks miss their target, alone or together with others."
-                  : failing.empty() ? "Every block reaches its target."
-                                    : "Every block reaches its target without load, not under each load case."} +
+      (!f.passes                 ? "Some blocks miss their target, alone or together with others."
+       : elsewhere.fails.empty() ? "Every block reaches its target."
+                                 : "Every block reaches its target " + elsewhere.passes + ", <b>not " +
+                                       escape_xml(elsewhere.fails) + "</b>.") +
       " " + display_count(f.blocks) + " blocks need support: " + display_count(f.held_by_bolts) + " held by bolts, " +
       display_count(f.held_by_shotcrete) + " by shotcrete, " + display_count(f.held_by_both) + " by both together, " +
       display_count(f.not_held) + " not held. " + display_count(f.bolts) + " bolts (" + display_count(f.spot_bolts) +

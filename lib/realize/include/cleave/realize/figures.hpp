@@ -376,6 +376,8 @@ struct SupportFigures {
   std::vector<PressureFigures> pressures = {};
   /// Groups of blocks below their target; empty where blocks were not judged together.
   std::optional<SupportedGroupFigures> groups = {};
+  /// Stages of the excavation after which what is installed by then does not pass; empty without [sequence].
+  std::optional<std::vector<std::uint32_t>> failing_stages = {};
 };
 /// The support under one named load case.
 struct SupportCaseFigures {
@@ -394,15 +396,24 @@ void fields(V& v, const SupportCaseFigures& x) {
 }
 /// Names of the load cases that the support does not pass.
 [[nodiscard]] std::vector<std::string> failing_cases(const std::vector<SupportCaseFigures>& cases);
+/// Of a support that passes when all is excavated and without load, in words: "without load" and "under quake"; both
+/// empty where it passes everywhere.
+struct FailsElsewhere {
+  std::string passes, fails;
+};
+[[nodiscard]] FailsElsewhere fails_elsewhere(const SupportFigures& support,
+                                             const std::vector<SupportCaseFigures>& cases);
 /// `tunnel_length`: empty where there is no tunnel.
 template <class V>
 void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_length,
                     const std::vector<DesignResult>& designs, const std::vector<SupportCaseFigures>& cases) {
   v("passes", x.passes,
     "every block reaches its target, alone and stitched to its neighbours, and no group of blocks still moves or is in "
-    "doubt; without `[[load]]`");
+    "doubt; without `[[load]]`, when all is excavated");
   v("passes_every_load", when(!cases.empty(), x.passes && failing_cases(cases).empty()),
     "so it is without load and under each `[[load]]`");
+  v("passes_every_stage", when(x.failing_stages.has_value(), x.passes && x.failing_stages && x.failing_stages->empty()),
+    "so it is when all is excavated and after each stage, with what is installed by then");
   v("blocks", x.blocks, "blocks below their target without support");
   v("held_by_bolts", x.held_by_bolts);
   v("held_by_shotcrete", x.held_by_shotcrete);
