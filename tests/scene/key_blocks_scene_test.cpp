@@ -434,6 +434,46 @@ free = ["bottom"]
   EXPECT_EQ(told(boxed), 1);
 }
 
+// Rings that begin six metres in leave the roof before them bare: a search for a pattern must not bolt it.
+TEST(KeyBlocksScene, DesignLeavesBareWhatTheOffsetLeavesBare) {
+  const auto found = [](double along) {
+    std::string text = R"([domain]
+box = { min = [-10, 0, -10], max = [10, 20, 10] }
+[joints.default]
+friction = 20
+[[excavation]]
+name = "t"
+kind = "tunnel"
+section = { shape = "rectangle", width = 4, height = 4 }
+axis = [[0, 0, 0], [0, 20, 0]]
+[stability]
+groups = "off"
+[support]
+[support.design]
+lengths = [4]
+scale = [0.5, 2]
+phases = 4
+offsets = 3
+)";
+    for (const std::string_view side :
+         {"[[-1, 0, -1], [-1, 4, -1], [-1, 4, 4], [-1, 0, 4]]", "[[1, 0, -1], [1, 4, -1], [1, 4, 4], [1, 0, 4]]",
+          "[[-2, 1, -1], [2, 1, -1], [2, 1, 4], [-2, 1, 4]]", "[[-2, 3, -1], [2, 3, -1], [2, 3, 4], [-2, 3, 4]]",
+          "[[-2, 0, 3.5], [2, 0, 3.5], [2, 4, 3.5], [-2, 4, 3.5]]"}) {
+      text += fmt::format("[[joint]]\npolygon = {}\n", side);
+    }
+    text += fmt::format(
+        "[[support.bolts]]\ntunnel = \"t\"\nspacing = [1, 1]\noffset = [{}, 0.2]\nlength = 4\ntendon = 400e3\n"
+        "plate = 400e3\nbond = 400e3\nanchorage = 0.3\n",
+        along);
+    const RunResult r = run_of(text);
+    EXPECT_EQ(r.support->blocks.size(), 1U);
+    EXPECT_EQ(r.support->passes(), along < 1);
+    return r.designs.at(0).found;
+  };
+  EXPECT_TRUE(found(0.5));
+  EXPECT_FALSE(found(6.5));
+}
+
 /// Random rock with a short tunnel in its middle, bolted, under water and load cases.
 std::string bolted_tunnel(std::uint64_t seed, std::string_view more) {
   std::string text = fmt::format("seed = {}\n[domain]\nbox = {{ min = [0, 0, 0], max = [60, 60, 60] }}\n", seed);

@@ -23,18 +23,24 @@ struct Phase {
   double along = 0, around = 0;
 };
 
+/// An offset moved by a share of the scaled spacing, and back by a spacing where it goes beyond one. The whole spacings
+/// of a stated offset are length without bolts: that stays.
+Length moved(Length offset, Length spacing, double scale, double share) {
+  const Length bare = std::floor(offset / spacing) * spacing;
+  const Length scaled = scale * spacing;
+  return bare + metres(std::fmod((offset - bare + share * scaled).si(), scaled.si()));
+}
+
 /// All bolts with the spacings times `scale`, another length, and the offsets moved by a share of a spacing.
 std::vector<Bolt> bolts_with(const SupportSettings& support, double scale, double length, Phase phase) {
   std::vector<Bolt> bolts = support.single;
   for (const auto& pattern : support.patterns) {
     const auto more = std::visit(
         overloaded{[&](stability::RingPattern ring) {
+                     ring.offset_along = moved(ring.offset_along, ring.along, scale, phase.along);
+                     ring.offset_around = moved(ring.offset_around, ring.around, scale, phase.around);
                      ring.along *= scale;
                      ring.around *= scale;
-                     ring.offset_along =
-                         metres(std::fmod((ring.offset_along + phase.along * ring.along).si(), ring.along.si()));
-                     ring.offset_around =
-                         metres(std::fmod((ring.offset_around + phase.around * ring.around).si(), ring.around.si()));
                      ring.length = metres(length);
                      return bolts_of(ring);
                    },
