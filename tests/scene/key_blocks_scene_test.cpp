@@ -16,6 +16,7 @@
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
 #include "cleave/geometry/orientation.hpp"
+#include "cleave/realize/monte_carlo.hpp"
 #include "cleave/realize/run.hpp"
 #include "run_scene.hpp"
 
@@ -375,6 +376,43 @@ TEST(KeyBlocksScene, WhatOnlyASlightTaperHoldsIsSaid) {
   EXPECT_TRUE(outwards.tapered.empty());
   // Cohesion of its sides, where it counts, would hold it between parallel ones as well.
   EXPECT_TRUE(run_of(roof_cube(89.99, "[stability]\ncohesion_on_parallel_faces = true\n")).tapered.empty());
+}
+
+// So it is under a load that its cohesion would not bear between parallel sides, and in a stage before it is dug away.
+TEST(KeyBlocksScene, SlightTapersUnderLoadAndInStagesAreSaid) {
+  const RunResult loaded = run_of(roof_cube(89.99,
+                                            "[stability]\ncohesion_on_parallel_faces = true\n"
+                                            "[[load]]\nname = \"heavy\"\nseismic = [0, 0, -1]\n"
+                                            "[[load]]\nname = \"slight\"\nseismic = [0, 0, -0.1]\n"));
+  EXPECT_TRUE(loaded.tapered.empty());
+  ASSERT_EQ(loaded.load_cases.at(0).tapered.size(), 1U);
+  EXPECT_NEAR(loaded.load_cases[0].tapered[0].factor_of_safety, 16 * 20e3 / (2 * 8 * 2700 * 9.81), 2e-3);
+  EXPECT_TRUE(loaded.load_cases.at(1).tapered.empty());
+  EXPECT_EQ(taper_notes(loaded), 1U);
+  EXPECT_EQ(notes_with(loaded, "load case heavy: 1 block ("), 1U);
+  // What the base case has is not said again.
+  EXPECT_EQ(taper_notes(run_of(roof_cube(89.99, "[[load]]\nname = \"heavy\"\nseismic = [0, 0, -1]\n"))), 1U);
+  const std::string later = "[[excavation]]\nname = \"chamber\"\nkind = \"polyhedron\"\nstage = 2\n";
+  const RunResult taken =
+      run_of(roof_cube(89.99, later + "box = { min = [8.5, 8.5, 9.5], max = [11.5, 11.5, 12.5] }\n"));
+  EXPECT_TRUE(taken.tapered.empty());
+  EXPECT_EQ(notes_with(taken, "after stage 1: 1 block ("), 1U);
+  EXPECT_EQ(taper_notes(taken), 1U);
+  const RunResult beside = run_of(roof_cube(89.99, later + "box = { min = [1, 1, 1], max = [3, 3, 3] }\n"));
+  EXPECT_EQ(beside.tapered.size(), 1U);
+  EXPECT_EQ(taper_notes(beside), 1U);
+}
+
+// Ensembles count them.
+TEST(KeyBlocksScene, SlightTapersAreCountedInEnsembles) {
+  const Scene scene = scene_of(roof_cube(89.99, "[[load]]\nname = \"up\"\nseismic = [0, 0, 2]\n") +
+                               "[monte_carlo]\nrealizations = 2\n");
+  const stochastic::Record record = make_record(scene, shared_by_realizations(scene), 1);
+  ASSERT_TRUE(record.tapered.has_value());
+  EXPECT_EQ(record.tapered->count, 1U);
+  EXPECT_NEAR(record.tapered->volume.si(), 8, 0.02);
+  ASSERT_EQ(record.cases.size(), 1U);
+  EXPECT_EQ(record.cases[0].tapered->count, 0U);
 }
 
 // Three vertical sides, each leaning inwards by a hundredth of a degree: no two are about parallel.

@@ -498,9 +498,10 @@ TEST(EnsembleTest, LoadCasesHaveFiguresOfTheirOwn) {
                     .net = newtons(5),
                     .support = {},
                     .groups = {},
-                    .border = {}};
+                    .border = {},
+                    .tapered = Staying{2, cubic_metres(3)}};
     quake.support = Supported{.needing = k, .not_held = k / 3};
-    quake.border = HeldByBorder{7, cubic_metres(1)};
+    quake.border = Staying{7, cubic_metres(1)};
     r.cases = {quake, {}};
     ensemble.add(r, "");
   }
@@ -518,6 +519,8 @@ TEST(EnsembleTest, LoadCasesHaveFiguresOfTheirOwn) {
   EXPECT_DOUBLE_EQ(of(0, "key_block_largest_m3").mean, 1);
   EXPECT_DOUBLE_EQ(of(0, "support_force_n").mean, 5);
   EXPECT_DOUBLE_EQ(of(0, "domain_held_count").mean, 7);
+  EXPECT_DOUBLE_EQ(of(0, "slight_taper_count").mean, 2);
+  EXPECT_DOUBLE_EQ(of(0, "slight_taper_volume_m3").mean, 3);
   EXPECT_DOUBLE_EQ(of(0, "support_fails").mean, 0.25);
   const Estimate failing = of(0, "probability_of_failure");
   const Interval exact = clopper_pearson(3, 4, f.confidence);

@@ -51,7 +51,8 @@ Record example(std::uint64_t k) {
   if (k % 2 == 0) r.support = Supported{9, k, rng.uniform(), 1e6 * rng.uniform(), 3, 1};
   if (k % 6 == 0) r.support->groups = SupportedTogether{k, 2, cubic_metres(rng.uniform()), k % 4 == 0};
   if (k % 3 == 0) r.orders = {{k, rng.uniform()}, {0, 0}, {7, 1e-9}};
-  if (k % 3 == 1) r.border = HeldByBorder{k, cubic_metres(rng.uniform())};
+  if (k % 3 == 1) r.border = Staying{k, cubic_metres(rng.uniform())};
+  if (k % 3 == 2) r.tapered = Staying{k, cubic_metres(rng.uniform())};
   if (k % 4 == 0) r.clamped = Clamped{k, 2, cubic_metres(rng.uniform())};
   if (k % 2 == 1) {
     r.whole = WholeBlocks{k,
@@ -63,9 +64,10 @@ Record example(std::uint64_t k) {
   }
   if (k % 5 == 0) r.groups = Grouped{k, 3, cubic_metres(rng.uniform()), cubic_metres(1e3 * rng.uniform()), k % 2 == 0};
   if (k % 7 == 2)
-    r.cases = {{k, cubic_metres(2), cubic_metres(0.1), newtons(3e-300), r.support, r.groups, r.border}, {}};
+    r.cases = {{k, cubic_metres(2), cubic_metres(0.1), newtons(3e-300), r.support, r.groups, r.border, r.tapered}, {}};
   if (k % 7 == 3)
-    r.cases = {{1, {}, cubic_metres(rng.uniform()), {}, {}, Grouped{k, 3, {}, {}, true}, HeldByBorder{k, {}}}};
+    r.cases = {
+        {1, {}, cubic_metres(rng.uniform()), {}, {}, Grouped{k, 3, {}, {}, true}, Staying{k, {}}, Staying{1, {}}}};
   return r;
 }
 

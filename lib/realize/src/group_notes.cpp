@@ -36,6 +36,15 @@ void add_unasked_notes(const stability::KeyGroups& groups, std::string_view wher
 
 }  // namespace
 
+std::vector<stability::Barred> in_no_group(std::vector<stability::Barred> blocks,
+                                           const std::optional<stability::KeyGroups>& groups) {
+  if (!groups) return blocks;
+  for (const stability::KeyGroup& group : groups->groups) {
+    std::erase_if(blocks, [&](const auto& row) { return std::ranges::binary_search(group.blocks, row.block); });
+  }
+  return blocks;
+}
+
 std::string too_many_with_support(std::string_view where) {
   return std::string{where} +
          "support: at strengths over the target more blocks are near free faces than are judged together: whether it "

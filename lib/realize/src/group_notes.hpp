@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +13,10 @@ namespace cleave::scene {
 /// state, before each note; empty for the final one under the loads of the base case.
 void add_moving_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis,
                             std::string_view where, std::vector<std::string>& notes);
+
+/// Those that are in no group that was found.
+[[nodiscard]] std::vector<stability::Barred> in_no_group(std::vector<stability::Barred> blocks,
+                                                         const std::optional<stability::KeyGroups>& groups);
 
 /// That groups could not be looked for with the support. `where`: the load case or stage, before it.
 [[nodiscard]] std::string too_many_with_support(std::string_view where);

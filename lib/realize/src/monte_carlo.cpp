@@ -12,6 +12,7 @@
 #include "cleave/core/sha256.hpp"
 #include "cleave/realize/run.hpp"
 #include "cleave/stochastic/ordered.hpp"
+#include "group_notes.hpp"
 
 namespace cleave::scene {
 
@@ -123,6 +124,17 @@ stochastic::Grouped tally_groups(const stability::KeyGroups& found) {
   return groups;
 }
 
+stochastic::Staying tally_tapered(const std::vector<stability::Barred>& tapered,
+                                  const std::optional<stability::KeyGroups>& groups,
+                                  const stochastic::Questions& questions) {
+  stochastic::Staying sum;
+  for (const stability::Barred& row : questions.groups ? in_no_group(tapered, groups) : tapered) {
+    ++sum.count;
+    sum.volume += row.volume;
+  }
+  return sum;
+}
+
 std::vector<stochastic::CaseTally> tally_cases(const Realization& made, const stochastic::Questions& questions) {
   const topology::BlockComplex& complex = made.complex->complex();
   std::vector<stochastic::CaseTally> tallies;
@@ -132,6 +144,7 @@ std::vector<stochastic::CaseTally> tally_cases(const Realization& made, const st
     if (const auto& held = questions.groups ? load.domain_held : load.held_alone) {
       tally.border = {.count = held->blocks.size(), .volume = held->volume};
     }
+    tally.tapered = tally_tapered(load.tapered, load.groups, questions);
     if (questions.groups && load.groups) tally.groups = tally_groups(*load.groups);
     if (k >= made.support_cases.size()) continue;
     const CaseSupport& with = made.support_cases[k];
@@ -176,6 +189,7 @@ Record record_of(std::uint64_t k, const Realization& made, const Shared& shared)
   }
   if (made.support) record.support = tally_support(complex, *made.support, made.group_support, questions);
   if (questions.groups && made.key_groups) record.groups = tally_groups(*made.key_groups);
+  if (made.analysis) record.tapered = tally_tapered(made.tapered, made.key_groups, questions);
   record.cases = tally_cases(made, questions);
   if (made.field_stress) {
     record.clamped = {.held = made.field_stress->held,

@@ -201,7 +201,7 @@ Realizer::Done Realizer::judge() {
   if (!near_) made_.key_groups.reset();
   if (detail_ == Detail::counted) {
     if (judges_groups()) judge_groups();
-    hold_by_border(settings(complex.complex()));
+    hold_by_next_to_nothing(settings(complex.complex()));
     judge_load_cases();
     return {};
   }
@@ -214,15 +214,9 @@ Realizer::Done Realizer::judge() {
   if (!made_.key_groups || made_.key_groups->too_many) {
     made_.barred = stability::barred_by_lesser(complex, with, *made_.analysis);
   }
-  made_.tapered = stability::held_by_taper(complex, with, *made_.analysis);
-  if (made_.key_groups) {
-    for (const stability::KeyGroup& group : made_.key_groups->groups) {
-      std::erase_if(made_.tapered,
-                    [&](const auto& row) { return std::ranges::binary_search(group.blocks, row.block); });
-    }
-  }
-  hold_by_border(with);
+  hold_by_next_to_nothing(with);
   judge_load_cases();
+  taper_of_stages();
   if (judges_groups()) {
     judge_groups_of_stages();
     judge_groups_below_target();
@@ -237,7 +231,8 @@ Realizer::Done Realizer::judge() {
 }
 
 /// In the base case.
-void Realizer::hold_by_border(const stability::Settings& settings) {
+void Realizer::hold_by_next_to_nothing(const stability::Settings& settings) {
+  made_.tapered = stability::held_by_taper(*made_.complex, settings, *made_.analysis);
   made_.held_alone = stability::domain_held(*made_.complex, settings, *made_.analysis);
   made_.domain_held = with_groups(*made_.held_alone, settings, *made_.analysis, made_.key_groups);
 }
@@ -290,6 +285,7 @@ void Realizer::judge_load_cases() {
         of_detail(settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads));
     load.held_alone = stability::domain_held(complex, pushed, load.analysis);
     load.domain_held = with_groups(*load.held_alone, pushed, load.analysis, load.groups);
+    load.tapered = stability::held_by_taper(complex, pushed, load.analysis);
   }
 }
 
@@ -302,6 +298,15 @@ void Realizer::judge_groups_of_cases() {
     load.groups = stability::find_key_groups(complex, with, together(*scene_));
     if (scene_->stability->decides_by_groups()) stability::decide_by_groups(complex, with, *load.groups, load.analysis);
     add_moving_group_notes(*load.groups, load.analysis, "load case " + load.name + ": ", group_notes_);
+  }
+}
+
+void Realizer::taper_of_stages() {
+  if (!made_.sequence) return;
+  for (StageResult& row : made_.sequence->stages) {
+    if (!row.complex || !*row.complex || !row.analysis) continue;
+    const topology::AuditedComplex& complex = **row.complex;
+    row.tapered = stability::held_by_taper(complex, settings(complex.complex()), *row.analysis);
   }
 }
 

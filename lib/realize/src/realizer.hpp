@@ -46,7 +46,9 @@ class Realizer final {
   void judge_groups_of_cases();
   void judge_groups_of_stages();
   void judge_groups_below_target();
-  void hold_by_border(const stability::Settings& settings);
+  /// Blocks that stay for a reason that may not hold: a side of the domain, a slight taper.
+  void hold_by_next_to_nothing(const stability::Settings& settings);
+  void taper_of_stages();
   /// What the border holds of single blocks, and of groups.
   [[nodiscard]] stability::DomainHeld with_groups(stability::DomainHeld held, const stability::Settings& settings,
                                                   const stability::Analysis& analysis,

@@ -138,18 +138,44 @@ void add_stage_note(const SequenceResult& sequence, const stability::Analysis& a
                               most, most == 1 ? "block" : "blocks", at_the_end));
 }
 
-/// Blocks that a joint holds which closes on them by next to nothing.
-void add_taper_note(const std::vector<stability::Barred>& tapered, std::vector<std::string>& notes) {
+/// Blocks that a joint holds which closes on them by next to nothing. `where`: the load case or stage, before it.
+void add_taper_note(const std::vector<stability::Barred>& tapered, std::string_view where,
+                    std::vector<std::string>& notes) {
   if (tapered.empty()) return;
   const auto least = std::ranges::min_element(tapered, {}, &stability::Barred::factor_of_safety);
   double volume = 0;
   for (const stability::Barred& row : tapered) volume += row.volume.si();
   const bool one = tapered.size() == 1;
   notes.push_back(fmt::format(
-      "{} ({:.4g} m3) at free faces {} only because joints close on {} by less than {:g} mm a metre: were those "
+      "{}{} ({:.4g} m3) at free faces {} only because joints close on {} by less than {:g} mm a metre: were those "
       "parallel, the least factor of safety would be {:.3g} (block {}); count on no such taper",
-      one ? "1 block" : fmt::format("{} blocks", tapered.size()), volume, one ? "stays" : "stay", one ? "it" : "them",
-      1e3 * stability::slight_taper, least->factor_of_safety, least->block.value()));
+      where, one ? "1 block" : fmt::format("{} blocks", tapered.size()), volume, one ? "stays" : "stay",
+      one ? "it" : "them", 1e3 * stability::slight_taper, least->factor_of_safety, least->block.value()));
+}
+
+/// In the base case, and what load cases and stages have beside it.
+void add_taper_notes(const Realization& made, std::vector<std::string>& notes) {
+  const std::vector<stability::Barred> base = in_no_group(made.tapered, made.key_groups);
+  add_taper_note(base, "", notes);
+  for (const CaseResult& load : made.load_cases) {
+    auto more = in_no_group(load.tapered, load.groups);
+    std::erase_if(more, [&](const auto& row) {
+      return std::ranges::find(base, row.block, &stability::Barred::block) != base.end();
+    });
+    add_taper_note(more, fmt::format("load case {}: ", load.name), notes);
+  }
+  if (!made.sequence) return;
+  for (const StageResult& row : made.sequence->stages) {
+    auto more = in_no_group(row.tapered, row.groups);
+    // Blocks of another state have other numbers.
+    std::erase_if(more, [&](const auto& own) {
+      return std::ranges::any_of(base, [&](const auto& other) {
+        return std::abs((own.volume - other.volume).si()) <= 1e-9 * own.volume.si() &&
+               std::abs(own.factor_of_safety - other.factor_of_safety) <= 1e-9;
+      });
+    });
+    add_taper_note(more, fmt::format("after stage {}: ", row.stage), notes);
+  }
 }
 
 }  // namespace
@@ -198,7 +224,7 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   if (analysis) add_rotation_note(*analysis, notes);
   add_enclosed_notes(made.held_from_within, notes);
   add_barred_note(made.barred, made.key_groups && made.key_groups->too_many, notes);
-  add_taper_note(made.tapered, notes);
+  add_taper_notes(made, notes);
   if (made.domain_held) add_border_note(*made.domain_held, "", notes);
   for (const CaseResult& load : made.load_cases) {
     const bool more = load.domain_held && (!made.domain_held || load.domain_held->blocks != made.domain_held->blocks);

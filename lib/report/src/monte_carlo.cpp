@@ -50,6 +50,12 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
         "takes to hold a group is not in them");
   }
   for (const auto& estimate : page.result.figures.estimates) {
+    if (estimate.name == "slight_taper_count" && estimate.mean > 0) {
+      page.result.figures.notes.push_back(fmt::format(
+          "in the mean {:.3g} blocks a realization at free faces stay only because joints close on them by less than "
+          "{:g} mm a metre and are not counted as key blocks: count on no such taper",
+          estimate.mean, 1e3 * stability::slight_taper));
+    }
     if (estimate.name != "domain_held_count" || !(estimate.mean > 0)) continue;
     page.result.figures.notes.push_back(fmt::format(
         "in the mean {:.3g} blocks a realization at free faces are held only by sides of the domain that are "

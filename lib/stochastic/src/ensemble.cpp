@@ -67,6 +67,7 @@ Record as_record(const CaseTally& c) {
   record.support = c.support;
   record.groups = c.groups;
   record.border = c.border;
+  record.tapered = c.tapered;
   return record;
 }
 

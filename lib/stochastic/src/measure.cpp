@@ -201,7 +201,7 @@ Record measure(const BlockComplex& complex, const stability::Analysis* analysis,
     record.surface_blocks_fixed += block.free && block.fixed ? 1U : 0U;
   }
   measure_border(complex, questions, held, record);
-  if (held != nullptr) record.border = HeldByBorder{held->blocks.size(), held->volume};
+  if (held != nullptr) record.border = Staying{held->blocks.size(), held->volume};
   if (analysis != nullptr) Measuring{complex, *analysis, questions}.count(record);
   return record;
 }

@@ -171,7 +171,7 @@ std::vector<double> numbers_of(const std::optional<Clamped>& c) {
   if (!c) return {};
   return {static_cast<double>(c->held), static_cast<double>(c->undecided), c->held_volume.si()};
 }
-std::vector<double> numbers_of(const std::optional<HeldByBorder>& b) {
+std::vector<double> numbers_of(const std::optional<Staying>& b) {
   if (!b) return {};
   return {static_cast<double>(b->count), b->volume.si()};
 }
@@ -190,7 +190,8 @@ std::vector<double> numbers_of(const std::vector<CaseTally>& cases) {
   for (const CaseTally& c : cases) {
     for (const double x : {static_cast<double>(c.count), c.volume.si(), c.largest.si(), c.net.si()})
       numbers.push_back(x);
-    for (const auto& part : {numbers_of(c.support), numbers_of(c.groups), numbers_of(c.border)}) {
+    for (const auto& part :
+         {numbers_of(c.support), numbers_of(c.groups), numbers_of(c.border), numbers_of(c.tapered)}) {
       numbers.push_back(static_cast<double>(part.size()));
       numbers.insert(numbers.end(), part.begin(), part.end());
     }
@@ -253,10 +254,10 @@ bool take(const std::vector<double>& n, std::optional<Clamped>& clamped) {
   clamped = Clamped{static_cast<std::uint64_t>(n[0]), static_cast<std::uint64_t>(n[1]), cubic_metres(n[2])};
   return true;
 }
-bool take(const std::vector<double>& n, std::optional<HeldByBorder>& border) {
+bool take(const std::vector<double>& n, std::optional<Staying>& border) {
   if (n.empty()) return true;
   if (n.size() != 2 || !is_count(n[0])) return false;
-  border = HeldByBorder{static_cast<std::uint64_t>(n[0]), cubic_metres(n[1])};
+  border = Staying{static_cast<std::uint64_t>(n[0]), cubic_metres(n[1])};
   return true;
 }
 bool take(const std::vector<double>& n, std::vector<OrderTally>& orders) {
@@ -285,7 +286,7 @@ bool take(const std::vector<double>& n, std::vector<CaseTally>& cases) {
     c.largest = cubic_metres(rest[2]);
     c.net = newtons(rest[3]);
     rest = rest.subspan(4);
-    if (!part(c.support) || !part(c.groups) || !part(c.border)) return false;
+    if (!part(c.support) || !part(c.groups) || !part(c.border) || !part(c.tapered)) return false;
   }
   return true;
 }
@@ -343,7 +344,7 @@ std::string_view record_columns() noexcept {
          "first_count,first_volume_m3,first_largest_m3,first_support_n,first_support_transferred_n,first_falling,"
          "first_lifting,first_sliding,first_wedge,first_tetrahedral,first_pentahedral,first_hexahedral,first_higher,"
          "first_other,first_concave,first_sphericity_sum,first_sizes,above,chainage_m3,support,orders,groups,clamped,"
-         "border,whole,whole_bins,sets,lines,cases,crc32";
+         "border,whole,whole_bins,sets,lines,cases,tapered,crc32";
 }
 
 std::string line_of(const Record& r) {
@@ -371,13 +372,14 @@ std::string line_of(const Record& r) {
     w.list(std::span{numbers});
   }
   const std::vector<double> whole = numbers_of(r.whole), sets = numbers_of(r.sets), lines = numbers_of(r.lines),
-                            cases = numbers_of(r.cases);
+                            cases = numbers_of(r.cases), tapered = numbers_of(r.tapered);
   const std::vector<float> bins = bins_of(r.whole);
   w.list(std::span{whole});
   w.list(std::span{bins});
   w.list(std::span{sets});
   w.list(std::span{lines});
   w.list(std::span{cases});
+  w.list(std::span{tapered});
   return std::move(w).finish();
 }
 
@@ -411,7 +413,7 @@ std::optional<Record> record_of(std::string_view line) {
   r.tally(record.first);
   r.list(record.above);
   r.list(record.chainage_m3);
-  std::vector<double> support, orders, groups, clamped, border, whole, sets, lines, cases;
+  std::vector<double> support, orders, groups, clamped, border, whole, sets, lines, cases, tapered;
   std::vector<float> bins;
   r.list(support);
   r.list(orders);
@@ -423,9 +425,11 @@ std::optional<Record> record_of(std::string_view line) {
   r.list(sets);
   r.list(lines);
   r.list(cases);
+  r.list(tapered);
   if (!take(support, record.support) || !take(orders, record.orders) || !take(groups, record.groups) ||
       !take(clamped, record.clamped) || !take(border, record.border) || !take(whole, bins, record.whole) ||
-      !take(sets, record.sets) || !take(lines, record.lines) || !take(cases, record.cases)) {
+      !take(sets, record.sets) || !take(lines, record.lines) || !take(cases, record.cases) ||
+      !take(tapered, record.tapered)) {
     return std::nullopt;
   }
   if (!record.factors.empty() && record.factors.size() != factor_bins) return std::nullopt;

@@ -139,6 +139,7 @@ struct CaseResult {
   std::optional<stability::KeyGroups> groups = {};       ///< blocks judged together, where the scene asks for it
   std::optional<stability::DomainHeld> held_alone = {};  ///< by the border of the domain, of blocks one by one
   std::optional<stability::DomainHeld> domain_held = {};
+  std::vector<stability::Barred> tapered = {};  ///< held by next to nothing
 };
 
 /// The support checked under one named load case.
@@ -281,7 +282,7 @@ struct Realization : SampledScene {
   std::vector<std::optional<LetGo>> let_go = {};  ///< of `key_groups`, those in doubt; empty: none was asked
   std::vector<stability::InterlockedByInclusion> held_from_within = {};
   std::vector<stability::Barred> barred = {};             ///< where blocks were not judged together
-  std::vector<stability::Barred> tapered = {};            ///< held by next to nothing, and in no key group
+  std::vector<stability::Barred> tapered = {};            ///< held by next to nothing, those of key groups too
   std::optional<stability::DomainHeld> domain_held = {};  ///< of the base case, with `analysis`
   std::optional<stability::DomainHeld> held_alone = {};   ///< of those, single blocks: what ensembles count
   std::vector<CaseResult> load_cases = {};                ///< of [[load]], in scene order; the base case is `analysis`

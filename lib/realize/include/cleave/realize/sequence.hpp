@@ -54,6 +54,7 @@ struct StageResult {
   KeyBlockFigures key_blocks = {};
   std::optional<StageSupport> support = {};         ///< with [support]
   std::optional<stability::KeyGroups> groups = {};  ///< blocks judged together, where the scene asks for it
+  std::vector<stability::Barred> tapered = {};      ///< held by next to nothing
   [[nodiscard]] bool passed() const noexcept { return !complex || complex->has_value(); }
 };
 template <class V>

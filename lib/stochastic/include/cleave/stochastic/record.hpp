@@ -109,21 +109,22 @@ struct Clamped {
   friend bool operator==(const Clamped&, const Clamped&) = default;
 };
 
-/// Blocks at free faces that only a side of the domain holds, which is not free: they are not key blocks.
-struct HeldByBorder {
+/// Blocks at free faces that are not key blocks for a reason that may not hold.
+struct Staying {
   std::uint64_t count = 0;
   Volume volume = {};
-  friend bool operator==(const HeldByBorder&, const HeldByBorder&) = default;
+  friend bool operator==(const Staying&, const Staying&) = default;
 };
 
 /// What moves under a load case, `[[load]]`.
 struct CaseTally {
   std::uint64_t count = 0;  ///< key blocks
   Volume volume = {}, largest = {};
-  Force net = {};                      ///< sum of the net forces
-  std::optional<Supported> support;    ///< of a scene with [support]
-  std::optional<Grouped> groups;       ///< of a scene with groups = "decide"
-  std::optional<HeldByBorder> border;  ///< where it was asked
+  Force net = {};                    ///< sum of the net forces
+  std::optional<Supported> support;  ///< of a scene with [support]
+  std::optional<Grouped> groups;     ///< of a scene with groups = "decide"
+  std::optional<Staying> border;     ///< held only by sides of the domain that are not free, where it was asked
+  std::optional<Staying> tapered;    ///< held only because joints close on them by next to nothing, where it was asked
   friend bool operator==(const CaseTally&, const CaseTally&) = default;
 };
 
@@ -189,17 +190,18 @@ struct Record {
   /// Blocks that would move without friction, by factor of safety: below 0.1, 0.2, ... 3.0, and above; empty when none.
   std::vector<std::uint64_t> factors;
   Tally all, first;
-  std::vector<std::uint64_t> above;    ///< key blocks above each of the volumes asked for
-  std::vector<double> chainage_m3;     ///< largest key block in each part of the axis; empty without a tunnel
-  std::optional<Supported> support;    ///< of a scene with [support]
-  std::optional<Grouped> groups;       ///< of a scene with groups = "decide"
-  std::optional<Clamped> clamped;      ///< of a scene with [field_stress]
-  std::optional<HeldByBorder> border;  ///< of a scene with the stability stage
-  std::optional<WholeBlocks> whole;    ///< where all blocks are cut
-  std::vector<SetTally> sets;          ///< in the order of the scene's sets
-  std::vector<LineTally> lines;        ///< in the order of the scene's lines
-  std::vector<OrderTally> orders;      ///< of a scene with [sequence]: its own order first, then those to compare
-  std::vector<CaseTally> cases;        ///< in the order of the scene's load cases
+  std::vector<std::uint64_t> above;  ///< key blocks above each of the volumes asked for
+  std::vector<double> chainage_m3;   ///< largest key block in each part of the axis; empty without a tunnel
+  std::optional<Supported> support;  ///< of a scene with [support]
+  std::optional<Grouped> groups;     ///< of a scene with groups = "decide"
+  std::optional<Clamped> clamped;    ///< of a scene with [field_stress]
+  std::optional<Staying> border;     ///< of a scene with the stability stage: held only by sides that are not free
+  std::optional<Staying> tapered;    ///< the same: held only because joints close on them by next to nothing
+  std::optional<WholeBlocks> whole;  ///< where all blocks are cut
+  std::vector<SetTally> sets;        ///< in the order of the scene's sets
+  std::vector<LineTally> lines;      ///< in the order of the scene's lines
+  std::vector<OrderTally> orders;    ///< of a scene with [sequence]: its own order first, then those to compare
+  std::vector<CaseTally> cases;      ///< in the order of the scene's load cases
   friend bool operator==(const Record&, const Record&) = default;
 };
 
