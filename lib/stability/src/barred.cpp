@@ -14,9 +14,16 @@ using topology::BlockId;
 class Barring final {
  public:
   Barring(const topology::BlockComplex& complex, const Settings& settings, const Analysis& analysis)
-      : model_{complex, settings}, analysis_{&analysis} {
+      : model_{complex, settings}, analysis_{&analysis}, laid_bare_{complex.blocks().size(), 0} {
     for (const Batch& batch : analysis.batches) {
-      for (const BlockId id : batch.blocks) model_.remove(id, batch.number);
+      for (const BlockId id : batch.blocks) {
+        model_.remove(id, batch.number);
+        for (const topology::FaceId face : complex.blocks()[id].faces) {
+          for (const topology::Patch& patch : complex.patches(complex.faces()[face])) {
+            if (patch.neighbour) laid_bare_[*patch.neighbour] = 1;
+          }
+        }
+      }
       state_ = batch.number + 1;
     }
   }
@@ -71,6 +78,7 @@ class Barring final {
   /// Stays, and might not: what is known in part only is taken to stay.
   [[nodiscard]] bool may_move(BlockId id) const {
     const topology::Block& block = complex().blocks()[id];
+    if (!block.free && laid_bare_[id] == 0) return false;  // nothing is open
     const Judgement* own = judgement(id);
     return !block.fixed && !block.truncated && model_.present(id, state_) && !(own != nullptr && own->key);
   }
@@ -110,6 +118,7 @@ class Barring final {
 
   Model model_;
   const Analysis* analysis_;
+  IdVector<BlockId, std::uint8_t> laid_bare_;  // beside blocks that left
   std::uint32_t state_ = 1;
 };
 
