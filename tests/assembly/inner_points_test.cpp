@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <vector>
 
 #include "branch.hpp"
 #include "cases.hpp"
 #include "cleave/core/rng.hpp"
 #include "elements.hpp"
+#include "inner_points.hpp"
 #include "theory.hpp"
 
 namespace cleave::assembly {
@@ -48,6 +50,36 @@ TEST(InnerPoints, OneBlockMovesAboveItsFactorAndRestsBelow) {
   EXPECT_GT(finite, 50);
   // Where friction locks as well, that may be what they find.
   EXPECT_LE(missed, finite / 3);
+}
+
+// Before anything is polished: forces that balance the load. Below the factor nothing moves; above it what moves does
+// as the law says (friction that locks as well may be what they find).
+TEST(InnerPoints, EndNearASolution) {
+  Rng rng{20261128};
+  int asked = 0, resting = 0, moving = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    SCOPED_TRACE(trial);
+    const std::vector<Side> sides = random_sides(rng);
+    const double factor = conventional(sides, {0, 0, -1});
+    if (factor == infinite || factor == 0) continue;
+    ++asked;
+    const Assembly block = single(sides).made();
+    const Elements elements{block};
+    const std::vector<std::uint8_t> pressing(elements.all().size(), 1);
+    const auto speed = [](const Near& near) { return near.state.v.lpNorm<Eigen::Infinity>(); };
+    const Near below = by_inner_points(elements, 0.9 * factor, pressing, {});
+    if (below.left < 1e-6) {
+      ++resting;
+      EXPECT_LT(speed(below), 1e-5);
+    }
+    const Near above = by_inner_points(elements, 1.1 * factor, pressing, {});
+    if (!(above.left < 1e-6) || !(speed(above) > 1e-4)) continue;
+    ++moving;
+    EXPECT_LT(violation(elements, 1.1 * factor, above.state), 1e-4);
+  }
+  EXPECT_GT(asked, 50);
+  EXPECT_GT(resting, asked * 9 / 10);
+  EXPECT_GT(moving, asked / 2);
 }
 
 TEST(InnerPoints, Pairs) {
