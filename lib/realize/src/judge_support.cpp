@@ -35,24 +35,24 @@ Length moved(Length offset, Length spacing, double scale, double share) {
 std::vector<Bolt> bolts_with(const SupportSettings& support, double scale, double length, Phase phase) {
   std::vector<Bolt> bolts = support.single;
   for (const auto& pattern : support.patterns) {
-    const auto more = std::visit(
-        overloaded{[&](stability::RingPattern ring) {
-                     ring.offset_along = moved(ring.offset_along, ring.along, scale, phase.along);
-                     ring.offset_around = moved(ring.offset_around, ring.around, scale, phase.around);
-                     ring.along *= scale;
-                     ring.around *= scale;
-                     ring.length = metres(length);
-                     return bolts_of(ring);
-                   },
-                   [&](stability::GridPattern grid) {
-                     grid.spacing_across *= scale;
-                     grid.spacing_down *= scale;
-                     grid.offset_across += phase.along * grid.spacing_across;
-                     grid.offset_down += phase.around * grid.spacing_down;
-                     grid.length = metres(length);
-                     return bolts_of(grid);
-                   }},
-        pattern);
+    const auto more =
+        std::visit(overloaded{[&](stability::RingPattern ring) {
+                                ring.offset_along = moved(ring.offset_along, ring.along, scale, phase.along);
+                                ring.offset_around = moved(ring.offset_around, ring.around, scale, phase.around);
+                                ring.along *= scale;
+                                ring.around *= scale;
+                                ring.length = metres(length);
+                                return bolts_of(ring);
+                              },
+                              [&](stability::GridPattern grid) {
+                                grid.spacing_across *= scale;
+                                grid.spacing_down *= scale;
+                                grid.offset_across += phase.along * grid.spacing_across;
+                                grid.offset_down += phase.around * grid.spacing_down;
+                                grid.length = metres(length);
+                                return bolts_of(grid);
+                              }},
+                   pattern);
     bolts.insert(bolts.end(), more.begin(), more.end());
   }
   return bolts;
