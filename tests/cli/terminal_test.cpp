@@ -107,10 +107,15 @@ TEST(TerminalTest, SupportAndMotion) {
 // What passes in the end may fail on the way there, or under load: the first line says so.
 TEST(TerminalTest, SupportThatDoesNotPassEverywhere) {
   scene::RunResult r = result();
+  using enum scene::GroupsJudged;
+  scene::GroupsJudged judged = yes;
   const auto line = [&](bool passes, std::vector<std::uint32_t> stages, const std::vector<std::string>& cases) {
-    r.figures.support = scene::SupportFigures{.passes = passes, .failing_stages = std::move(stages)};
+    r.figures.support =
+        scene::SupportFigures{.block_by_block = passes, .groups_judged = judged, .failing_stages = std::move(stages)};
     r.figures.support_cases.clear();
-    for (const std::string& name : cases) r.figures.support_cases.push_back({name, {.passes = name == "calm"}});
+    for (const std::string& name : cases) {
+      r.figures.support_cases.push_back({name, {.block_by_block = name == "calm", .groups_judged = judged}});
+    }
     const std::string text = figures_of(r);
     const std::size_t at = text.find("support      ");
     return text.substr(at, text.find(':', at) - at);
@@ -122,6 +127,12 @@ TEST(TerminalTest, SupportThatDoesNotPassEverywhere) {
   EXPECT_EQ(line(true, {1, 3}, {"quake"}),
             "support      passes without load when all is excavated, DOES NOT PASS under quake, after stages 1, 3");
   EXPECT_EQ(line(false, {1}, {"quake"}), "support      DOES NOT PASS");
+  judged = not_asked;
+  EXPECT_EQ(line(true, {}, {}), "support      passes block by block");
+  EXPECT_EQ(line(true, {}, {"quake"}), "support      passes block by block without load, DOES NOT PASS under quake");
+  judged = too_many;
+  EXPECT_EQ(line(true, {}, {}), "support      passes block by block, GROUPS OF BLOCKS NOT JUDGED");
+  EXPECT_EQ(line(false, {}, {}), "support      DOES NOT PASS");
 }
 
 struct Row {

@@ -506,7 +506,11 @@ offsets = 3
     const RunResult r = run_of(text);
     EXPECT_EQ(r.support->blocks.size(), 1U);
     EXPECT_EQ(r.support->passes(), along < 1);
-    return r.designs.at(0).found;
+    const DesignResult& design = r.designs.at(0);
+    const double whole = std::floor(along + 1e-9);
+    const double first = whole + std::fmod(along - whole, design.spacing[0]);
+    EXPECT_EQ(design.rings, static_cast<std::size_t>((20 - first) / design.spacing[0] + 1 + 1e-9)) << along;
+    return design.found;
   };
   EXPECT_TRUE(found(0.5));
   EXPECT_FALSE(found(6.5));

@@ -276,7 +276,7 @@ TEST(KeyGroupsScene, BoltsIntoWhatOnlyTheBorderHoldsAreSaid) {
   const RunResult beside = slabs("at = [[40, 15, 30]]\ndirection = [-1, 0.6, 0]\nlength = 25");
   EXPECT_EQ(notes_with(beside, "they count as rock that stays"), 1U);
   const RunResult through = slabs("at = [[40, 15, 30]]\ndirection = [-1, 0, -0.6]\nlength = 40");
-  EXPECT_TRUE(through.figures.support->passes);
+  EXPECT_TRUE(through.figures.support->passes());
   EXPECT_EQ(notes_with(through, "they count as rock that stays"), 0U);
   EXPECT_EQ(notes_with(through, "off the rock"), 0U);
   const RunResult astray = slabs("at = [[40, 15, 30], [45, 15, 30]]\ndirection = [-1, 0, -0.6]\nlength = 4");
@@ -294,7 +294,7 @@ TEST(KeyGroupsScene, SupportIsAskedToHoldThem) {
       return SupportedGroupFigures{};
     }
     EXPECT_EQ(figures->blocks, 0U);
-    EXPECT_EQ(figures->passes, figures->groups->not_held + figures->groups->in_doubt == 0);
+    EXPECT_EQ(figures->passes(), figures->groups->not_held + figures->groups->in_doubt == 0);
     EXPECT_EQ(notes_with(result, "the support does not hold"), figures->groups->not_held > 0 ? 1U : 0U);
     return *figures->groups;
   };
@@ -500,10 +500,10 @@ TEST(KeyGroupsScene, SupportIsAskedToHoldThemInEachLoadCase) {
   ASSERT_TRUE(calm.groups && quake.groups);
   EXPECT_EQ(result.figures.support->groups->count, 0U);
   EXPECT_EQ(calm.groups->count, 0U);
-  EXPECT_TRUE(calm.passes);
+  EXPECT_TRUE(calm.passes());
   EXPECT_EQ(quake.groups->not_held, 1U);
   EXPECT_NEAR(quake.groups->not_held_volume.si(), 233 + 322, 1e-6);
-  EXPECT_FALSE(quake.passes);
+  EXPECT_FALSE(quake.passes());
   EXPECT_EQ(notes_with(result, "load case quake: the support does not hold 1 group"), 1U);
   EXPECT_EQ(notes_with(result, "load case calm"), 0U);
 }
@@ -528,6 +528,31 @@ TEST(KeyGroupsScene, SupportIsAskedToHoldThemAfterEachStage) {
     ASSERT_TRUE(failing.has_value());
     EXPECT_EQ(std::ranges::count(*failing, 1U), below);
   }
+}
+
+// What could not be judged together does not pass, and what was not asked is said to be so.
+TEST(KeyGroupsScene, SupportDoesNotPassWhereGroupsCouldNotBeJudged) {
+  const std::string text = active_and_passive(45) + "[support]\nshotcrete = { thickness = 0.1, strength = 1e5 }\n";
+  RunResult result = run_of(text + "[[load]]\nname = \"calm\"\n");
+  ASSERT_TRUE(result.group_support && result.support_cases.at(0).groups);
+  EXPECT_EQ(result.figures.support->groups_judged, GroupsJudged::yes);
+  EXPECT_TRUE(result.figures.support->passes());
+  // As where more blocks than are judged together lie near free faces.
+  result.group_support.reset();
+  result.support_cases[0].groups.reset();
+  const Figures figures = count(result);
+  EXPECT_EQ(figures.support->groups_judged, GroupsJudged::too_many);
+  EXPECT_TRUE(figures.support->block_by_block);
+  EXPECT_FALSE(figures.support->passes());
+  EXPECT_FALSE(figures.support_cases.at(0).figures.passes());
+  StageSupport stage;
+  EXPECT_TRUE(stage.passes());
+  stage.too_many = true;
+  EXPECT_FALSE(stage.passes());
+  result.stability->groups = stability::GroupsCheck::off;
+  const Figures off = count(result);
+  EXPECT_EQ(off.support->groups_judged, GroupsJudged::not_asked);
+  EXPECT_TRUE(off.support->passes());
 }
 
 TEST(KeyGroupsScene, WhatTheSearchWithSupportDidNotLookAtIsSaid) {

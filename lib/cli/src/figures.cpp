@@ -67,15 +67,22 @@ std::string design_line(const scene::DesignResult& design) {
                      design.offsets, 100 * design.failing_share[0], 100 * design.failing_share[1], groups, governs);
 }
 
+std::string support_verdict(const scene::SupportFigures& support, const std::vector<scene::SupportCaseFigures>& cases) {
+  const bool unjudged = support.groups_judged == scene::GroupsJudged::too_many;
+  if (!support.passes()) {
+    return unjudged && support.block_by_block ? "passes block by block, GROUPS OF BLOCKS NOT JUDGED" : "DOES NOT PASS";
+  }
+  const scene::FailsElsewhere elsewhere = scene::fails_elsewhere(support, cases);
+  return fmt::format("passes{}{}{}{}{}",
+                     support.groups_judged == scene::GroupsJudged::not_asked ? " block by block" : "",
+                     elsewhere.passes.empty() ? "" : " ", elsewhere.passes,
+                     elsewhere.fails.empty() ? "" : ", DOES NOT PASS ", elsewhere.fails);
+}
+
 std::string support_lines(const scene::SupportFigures& support, const std::vector<scene::DesignResult>& designs,
                           const std::vector<scene::SupportCaseFigures>& cases) {
-  const scene::FailsElsewhere elsewhere = scene::fails_elsewhere(support, cases);
-  const std::string verdict = !support.passes ? "DOES NOT PASS"
-                              : elsewhere.fails.empty()
-                                  ? "passes"
-                                  : fmt::format("passes {}, DOES NOT PASS {}", elsewhere.passes, elsewhere.fails);
   std::string text =
-      fmt::format("support      {}: ", verdict) +
+      fmt::format("support      {}: ", support_verdict(support, cases)) +
       say("{blocks} blocks below their target, {held_by_bolts} held by bolts, {held_by_shotcrete} by shotcrete, "
           "{held_by_both} by both, {not_held} not held\n"
           "  {bolts} bolts, {combined_blocks} stitched bodies ({combined_failing} failing); required "

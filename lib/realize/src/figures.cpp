@@ -113,7 +113,7 @@ std::vector<PressureFigures> pressure_diagram(std::vector<PressureAt> blocks) {
 
 SupportFigures count_support(const stability::SupportResult& support) {
   SupportFigures f;
-  f.passes = support.passes();
+  f.block_by_block = support.passes();
   f.blocks = support.blocks.size();
   f.bolts = support.bolts.size();
   f.spot_bolts = support.spot_bolts;
@@ -148,7 +148,7 @@ SupportFigures count_support(const stability::SupportResult& support) {
 std::vector<std::string> failing_cases(const std::vector<SupportCaseFigures>& cases) {
   std::vector<std::string> names;
   for (const SupportCaseFigures& load : cases) {
-    if (!load.figures.passes) names.push_back(load.name);
+    if (!load.figures.passes()) names.push_back(load.name);
   }
   return names;
 }
@@ -250,21 +250,21 @@ Figures count(const RunResult& result) {
     if (load.domain_held) figures.load_cases.back().figures.domain_held = count_held(*load.domain_held);
   }
   if (result.support) figures.support = count_support(result, *result.support);
-  const auto add_groups = [](SupportFigures& support, const std::optional<stability::GroupSupport>& groups) {
-    if (!groups) return;
-    support.groups = count_supported_groups(*groups);
-    support.passes = support.passes && support.groups->all_held();
+  const bool asked = result.stability && result.stability->groups != stability::GroupsCheck::off;
+  const auto add_groups = [&](SupportFigures& support, const std::optional<stability::GroupSupport>& groups) {
+    if (groups) support.groups = count_supported_groups(*groups);
+    support.groups_judged = groups ? GroupsJudged::yes : asked ? GroupsJudged::too_many : GroupsJudged::not_asked;
   };
   if (figures.support) add_groups(*figures.support, result.group_support);
+  for (const CaseSupport& load : result.support_cases) {
+    figures.support_cases.push_back({load.name, count_support(result, load.support)});
+    add_groups(figures.support_cases.back().figures, load.groups);
+  }
   if (figures.support && result.sequence) {
     auto& failing = figures.support->failing_stages.emplace();
     for (const StageResult& row : result.sequence->stages) {
       if (row.support && !row.support->passes()) failing.push_back(row.stage);
     }
-  }
-  for (const CaseSupport& load : result.support_cases) {
-    figures.support_cases.push_back({load.name, count_support(result, load.support)});
-    add_groups(figures.support_cases.back().figures, load.groups);
   }
   if (!result.maximum_blocks.empty()) figures.maximum_blocks = count_maximum_blocks(result.maximum_blocks);
   return figures;

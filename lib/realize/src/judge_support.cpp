@@ -26,9 +26,10 @@ struct Phase {
 /// An offset moved by a share of the scaled spacing, and back by a spacing where it goes beyond one. The whole spacings
 /// of a stated offset are length without bolts: that stays.
 Length moved(Length offset, Length spacing, double scale, double share) {
-  const Length bare = std::floor(offset / spacing) * spacing;
+  constexpr double rounding = 1e-9;  // 0.3 is three times 0.1
+  const Length bare = std::floor(offset / spacing + rounding) * spacing;
   const Length scaled = scale * spacing;
-  return bare + metres(std::fmod((offset - bare + share * scaled).si(), scaled.si()));
+  return bare + metres(std::fmod(std::max(0.0, (offset - bare + share * scaled).si()), scaled.si()));
 }
 
 /// All bolts with the spacings times `scale`, another length, and the offsets moved by a share of a spacing.
@@ -56,6 +57,15 @@ std::vector<Bolt> bolts_with(const SupportSettings& support, double scale, doubl
     bolts.insert(bolts.end(), more.begin(), more.end());
   }
   return bolts;
+}
+
+std::size_t rings_of(stability::RingPattern ring, double scale) {
+  ring.offset_along = moved(ring.offset_along, ring.along, scale, 0);
+  ring.along *= scale;
+  ring.offset_around = {};
+  ring.around = metres(std::numeric_limits<double>::max());  // one bolt a ring
+  ring.stagger = false;
+  return bolts_of(ring).size();
 }
 
 /// Beside those of draw.cpp for the whole scene.
@@ -208,11 +218,7 @@ class DesignSearch {
   void describe(double scale, DesignResult& row) const {
     std::visit(overloaded{[&](const stability::RingPattern& ring) {
                             row.spacing = {scale * ring.along.si(), scale * ring.around.si()};
-                            double length = 0;
-                            for (std::size_t i = 0; i + 1 < ring.axis.size(); ++i)
-                              length += geometry::norm(ring.axis[i + 1] - ring.axis[i]);
-                            const double offset = std::fmod(ring.offset_along.si(), row.spacing[0]);
-                            row.rings = static_cast<std::size_t>((length - offset) / row.spacing[0]) + 1;
+                            row.rings = rings_of(ring, scale);
                           },
                           [&](const stability::GridPattern& grid) {
                             row.spacing = {scale * grid.spacing_across.si(), scale * grid.spacing_down.si()};

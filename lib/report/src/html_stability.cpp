@@ -117,19 +117,31 @@ std::string designs_table(const std::vector<scene::DesignResult>& designs) {
          "fails. The governing block misses its target most often, or has the least margin.</p>\n";
 }
 
+std::string support_verdict(const scene::SupportFigures& support, const std::vector<scene::SupportCaseFigures>& cases) {
+  using enum scene::GroupsJudged;
+  if (!support.passes()) {
+    return support.block_by_block && support.groups_judged == too_many
+               ? "Every block reaches its target by itself; <b>groups of blocks were not judged</b>, too many blocks "
+                 "lie "
+                 "near free faces."
+               : "Some blocks miss their target, alone or together with others.";
+  }
+  const scene::FailsElsewhere elsewhere = scene::fails_elsewhere(support, cases);
+  std::string out = "Every block reaches its target";
+  if (!elsewhere.fails.empty()) out += " " + elsewhere.passes + ", <b>not " + escape_xml(elsewhere.fails) + "</b>";
+  out += ".";
+  if (support.groups_judged == not_asked) out += " Whether groups of blocks are held was not asked.";
+  return out;
+}
+
 }  // namespace
 
 std::string support_section(const Page& page) {
   if (!page.result.support || !page.figures().support) return {};
   const scene::SupportFigures& f = *page.figures().support;
-  const scene::FailsElsewhere elsewhere = scene::fails_elsewhere(f, page.figures().support_cases);
   std::string out =
-      "<section id=\"support\"><h2>Support</h2>\n<p>" +
-      (!f.passes                 ? "Some blocks miss their target, alone or together with others."
-       : elsewhere.fails.empty() ? "Every block reaches its target."
-                                 : "Every block reaches its target " + elsewhere.passes + ", <b>not " +
-                                       escape_xml(elsewhere.fails) + "</b>.") +
-      " " + display_count(f.blocks) + " blocks need support: " + display_count(f.held_by_bolts) + " held by bolts, " +
+      "<section id=\"support\"><h2>Support</h2>\n<p>" + support_verdict(f, page.figures().support_cases) + " " +
+      display_count(f.blocks) + " blocks need support: " + display_count(f.held_by_bolts) + " held by bolts, " +
       display_count(f.held_by_shotcrete) + " by shotcrete, " + display_count(f.held_by_both) + " by both together, " +
       display_count(f.not_held) + " not held. " + display_count(f.bolts) + " bolts (" + display_count(f.spot_bolts) +
       " spot bolts): " + display_count(f.bolts_used) + " needed, " + display_count(f.bolts_redundant) + " redundant, " +

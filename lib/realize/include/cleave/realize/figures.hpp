@@ -361,8 +361,19 @@ void fields(V& v, const PressureFigures& x) {
   v("reason", when(!std::isfinite(x.largest.si()), "no pressure is enough for a block there"));
 }
 
+/// Whether groups of blocks were judged with the support.
+enum class GroupsJudged : std::uint8_t {
+  yes,
+  not_asked,  ///< groups = "off"
+  too_many    ///< more blocks near free faces than are judged together
+};
 struct SupportFigures {
-  bool passes = false;
+  bool block_by_block = false;  ///< every block reaches its target, alone and stitched to its neighbours
+  GroupsJudged groups_judged = GroupsJudged::not_asked;
+  /// What could not be judged does not pass; what was not asked is left out.
+  [[nodiscard]] bool passes() const noexcept {
+    return block_by_block && groups_judged != GroupsJudged::too_many && (!groups || groups->all_held());
+  }
   std::uint64_t blocks = 0, held_by_bolts = 0, held_by_shotcrete = 0, held_by_both = 0, not_held = 0;
   std::uint64_t bolts = 0, spot_bolts = 0, bolts_used = 0, bolts_redundant = 0, bolts_too_short = 0;
   std::uint64_t combined = 0, combined_failing = 0;
@@ -387,7 +398,8 @@ struct SupportCaseFigures {
 template <class V>
 void fields(V& v, const SupportCaseFigures& x) {
   v("name", x.name);
-  v("passes", x.figures.passes);
+  v("passes", x.figures.passes());
+  v("groups_judged", one_of(x.figures.groups_judged));
   v("blocks", x.figures.blocks);
   v("not_held", x.figures.not_held);
   v("combined_blocks", x.figures.combined);
@@ -396,8 +408,8 @@ void fields(V& v, const SupportCaseFigures& x) {
 }
 /// Names of the load cases that the support does not pass.
 [[nodiscard]] std::vector<std::string> failing_cases(const std::vector<SupportCaseFigures>& cases);
-/// Of a support that passes when all is excavated and without load, in words: "without load" and "under quake"; both
-/// empty where it passes everywhere.
+/// Of a support that passes when all is excavated and without load, in words: "without load" and "under quake"; `fails`
+/// is empty where it passes everywhere.
 struct FailsElsewhere {
   std::string passes, fails;
 };
@@ -407,12 +419,17 @@ struct FailsElsewhere {
 template <class V>
 void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_length,
                     const std::vector<DesignResult>& designs, const std::vector<SupportCaseFigures>& cases) {
-  v("passes", x.passes,
+  v("passes", x.passes(),
     "every block reaches its target, alone and stitched to its neighbours, and no group of blocks still moves or is in "
     "doubt; without `[[load]]`, when all is excavated");
-  v("passes_every_load", when(!cases.empty(), x.passes && failing_cases(cases).empty()),
+  v("groups_judged", one_of(x.groups_judged),
+    "not asked: with groups = \"off\", where `passes` is of single and stitched blocks alone; too many: near free "
+    "faces, "
+    "where nothing passes");
+  v("passes_every_load", when(!cases.empty(), x.passes() && failing_cases(cases).empty()),
     "so it is without load and under each `[[load]]`");
-  v("passes_every_stage", when(x.failing_stages.has_value(), x.passes && x.failing_stages && x.failing_stages->empty()),
+  v("passes_every_stage",
+    when(x.failing_stages.has_value(), x.passes() && x.failing_stages && x.failing_stages->empty()),
     "so it is when all is excavated and after each stage, with what is installed by then");
   v("blocks", x.blocks, "blocks below their target without support");
   v("held_by_bolts", x.held_by_bolts);

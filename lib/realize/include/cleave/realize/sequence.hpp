@@ -25,12 +25,13 @@ struct StageSupport {
   std::optional<SupportedGroupFigures> groups = {};  ///< where blocks are judged together, and not too many
   bool too_many = false;                             ///< to be judged together
   [[nodiscard]] bool passes() const noexcept {
-    return not_held == 0 && combined_failing == 0 && (!groups || groups->all_held());
+    return not_held == 0 && combined_failing == 0 && !too_many && (!groups || groups->all_held());
   }
 };
 template <class V>
 void fields(V& v, const StageSupport& x) {
-  v("passes", x.passes(), "with what is installed by then, all blocks, bodies and groups");
+  v("passes", x.passes(),
+    "with what is installed by then, all blocks, bodies and groups; false where there are too many to judge groups");
   v("blocks", x.blocks, "below their target without support");
   v("bolts_before", x.bolts_before, "installed after earlier stages");
   v("not_held_before", x.not_held_before, "with these alone, without spot bolts and shotcrete");
