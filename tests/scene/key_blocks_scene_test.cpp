@@ -474,7 +474,7 @@ free = ["bottom"]
 
 // Rings that begin six metres in leave the roof before them bare: a search for a pattern must not bolt it.
 TEST(KeyBlocksScene, DesignLeavesBareWhatTheOffsetLeavesBare) {
-  const auto found = [](double along) {
+  const auto found = [](double along, double spacing) {
     std::string text = R"([domain]
 box = { min = [-10, 0, -10], max = [10, 20, 10] }
 [joints.default]
@@ -500,20 +500,21 @@ offsets = 3
       text += fmt::format("[[joint]]\npolygon = {}\n", side);
     }
     text += fmt::format(
-        "[[support.bolts]]\ntunnel = \"t\"\nspacing = [1, 1]\noffset = [{}, 0.2]\nlength = 4\ntendon = 400e3\n"
+        "[[support.bolts]]\ntunnel = \"t\"\nspacing = [{}, 1]\noffset = [{}, 0.2]\nlength = 4\ntendon = 400e3\n"
         "plate = 400e3\nbond = 400e3\nanchorage = 0.3\n",
-        along);
+        spacing, along);
     const RunResult r = run_of(text);
     EXPECT_EQ(r.support->blocks.size(), 1U);
     EXPECT_EQ(r.support->passes(), along < 1);
     const DesignResult& design = r.designs.at(0);
-    const double whole = std::floor(along + 1e-9);
-    const double first = whole + std::fmod(along - whole, design.spacing[0]);
+    const double whole = spacing * std::floor(along / spacing + 1e-9);
+    const double first = whole + std::fmod(std::max(0.0, along - whole), design.spacing[0]);
     EXPECT_EQ(design.rings, static_cast<std::size_t>((20 - first) / design.spacing[0] + 1 + 1e-9)) << along;
     return design.found;
   };
-  EXPECT_TRUE(found(0.5));
-  EXPECT_FALSE(found(6.5));
+  EXPECT_TRUE(found(0.5, 1));
+  EXPECT_FALSE(found(6.5, 1));
+  EXPECT_FALSE(found(3.3, 1.1));  // three spacings, and less by rounding
 }
 
 /// Random rock with a short tunnel in its middle, bolted, under water and load cases.
