@@ -145,7 +145,7 @@ void World::Impl::note_bond(std::uint32_t bond, std::uint32_t number, const Eige
   const auto note = [&](std::vector<std::uint32_t>& list) {
     if (list.empty() || list.back() != bond) list.push_back(bond);
   };
-  const double loose = 1e-3 * step * norm(options.gravity) + 1e-9;
+  const double loose = 1e-3 * step * strongest() + 1e-9;
   if (slip.cwiseAbs().maxCoeff() > loose && slip[0] > -loose) note(pulls(bond) ? out.torn : out.broken);
 }
 

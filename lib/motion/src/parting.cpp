@@ -14,7 +14,7 @@ double World::Impl::move_apart(const Island& island, const Solution& moved, std:
     const Vec3 by{d[0], d[1], d[2]};
     // The angular momentum in space stays; the energy of turning is counted with the lift.
     const Vec3 momentum = s[b].turn * s[b].momentum;
-    lift -= shapes[b].mass * dot(options.gravity, by) + 0.5 * dot(momentum, spin(s[b], b));
+    lift -= shapes[b].mass * dot(pull, by) + 0.5 * dot(momentum, spin(s[b], b));
     s[b].shift += by;
     s[b].turn = normalized(cayley({d[3], d[4], d[5]}) * s[b].turn);
     s[b].momentum = s[b].turn.back(momentum);

@@ -44,7 +44,7 @@ void World::Impl::drift_body(State& s, std::uint32_t b, double h) const {
 
 double World::Impl::longest_step(double at_most) const {
   double step = std::min(at_most, options.step);
-  const double g = norm(options.gravity);
+  const double g = strongest();
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (!moves(b)) continue;
     const double turning = norm(spin(state[b], b));
@@ -112,7 +112,7 @@ Group World::Impl::group_of(const Island& island, const std::vector<Touch>& list
   };
   for (const std::uint32_t b : island.bodies) {
     group.mass.push_back(mass_matrix(shapes[b], mid[b].turn));
-    group.free.push_back(stacked(mid[b].v + step * options.gravity, spin(mid[b], b)));
+    group.free.push_back(stacked(mid[b].v + step * pull, spin(mid[b], b)));
   }
   const auto add = [&](std::uint32_t body, std::uint32_t other, Vec3 at, Vec3 normal) -> Point& {
     auto first = local(body), second = local(other);
@@ -128,7 +128,7 @@ Group World::Impl::group_of(const Island& island, const std::vector<Touch>& list
     p.other = second;
     return group.points.emplace_back(p);
   };
-  const double slow = 2 * step * norm(options.gravity);
+  const double slow = 2 * step * strongest();
   for (const std::uint32_t k : island.touches) {
     const Touch& t = list[k];
     Point& p = add(t.body, t.other, t.point, t.normal);
@@ -139,11 +139,11 @@ Group World::Impl::group_of(const Island& island, const std::vector<Touch>& list
     p.b[0] = std::max(t.gap, 0.0) / step;
     // Speed of approach before the kick, where it closes in this step.
     Vector6 before = group.free[p.body];
-    before.head<3>() -= step * Vector3d{options.gravity.x, options.gravity.y, options.gravity.z};
+    before.head<3>() -= step * Vector3d{pull.x, pull.y, pull.z};
     double closing = p.on_body.col(0).dot(before);
     if (p.other) {
       before = group.free[*p.other];
-      before.head<3>() -= step * Vector3d{options.gravity.x, options.gravity.y, options.gravity.z};
+      before.head<3>() -= step * Vector3d{pull.x, pull.y, pull.z};
       closing += p.on_other.col(0).dot(before);
     }
     const double back = rebound * std::min(a.restitution, b.restitution);
@@ -174,10 +174,10 @@ World::Impl::Balance World::Impl::gain_of(const Island& island, const Group& gro
     const std::uint32_t b = island.bodies[k];
     const Shape& shape = shapes[b];
     before.push_back(stacked(mid[b].v, spin(mid[b], b)));
-    size += shape.mass * (dot(mid[b].v, mid[b].v) + norm(options.gravity) * shape.size) +
+    size += shape.mass * (dot(mid[b].v, mid[b].v) + strongest() * shape.size) +
             dot(mid[b].momentum, solve(shape.inertia, mid[b].momentum));
     const Vector6 change = found.velocity[k] - before[k];
-    out.scheme -= late * shape.mass * step * dot(options.gravity, {change[0], change[1], change[2]});
+    out.scheme -= late * shape.mass * step * dot(pull, {change[0], change[1], change[2]});
   }
   double moved = 0;
   for (std::size_t k = 0; k < group.points.size(); ++k) {
@@ -215,7 +215,7 @@ bool World::Impl::close_island(const Island& island, const Solved& solved, const
     out.state[b].v = {v[0], v[1], v[2]};
     out.state[b].momentum = shapes[b].inertia * mid[b].turn.back({v[3], v[4], v[5]});
     const Vec3 gained = out.state[b].v - mid[b].v;
-    const double fall = step * norm(options.gravity);
+    const double fall = step * norm(pull);
     if (fall > 0) out.report.unbalanced = std::max(out.report.unbalanced, norm(gained) / fall);
   }
   return true;
@@ -230,8 +230,8 @@ std::vector<State> World::Impl::predict(double step, std::vector<double>& travel
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (!moves(b)) continue;
     if (options.quasi_static) mid[b].v = mid[b].momentum = {};
-    travel[b] = step * (norm(mid[b].v) + step * norm(options.gravity) + norm(spin(mid[b], b)) * shapes[b].radius) +
-                1e-6 * shapes[b].size;
+    travel[b] =
+        step * (norm(mid[b].v) + step * strongest() + norm(spin(mid[b], b)) * shapes[b].radius) + 1e-6 * shapes[b].size;
     drift_body(mid[b], b, (1 - theta_of(b)) * step);
   }
   return mid;
@@ -253,8 +253,8 @@ void World::Impl::let_fall(const std::vector<State>& mid, double step, Attempt& 
   out.report = {};
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (!moves(b)) continue;
-    out.state[b].v += step * options.gravity;
-    out.given += shapes[b].mass * step * options.gravity;
+    out.state[b].v += step * pull;
+    out.given += shapes[b].mass * step * pull;
   }
 }
 
@@ -273,6 +273,8 @@ TouchingPairs touching_pairs(const std::vector<Touch>& list, std::size_t bodies)
 }
 
 std::optional<bool> World::Impl::as_before(const Island& island, const Attempt& so_far) const {
+  // Other forces act now than in the last step: what stood under those may move under these.
+  if (options.ground.moves_at(now - last_step)) return std::nullopt;
   for (const auto& [bond, point] : island.bonds) {
     if (bonds[bond].impulse.size() != points_of(bond)) return std::nullopt;
   }
@@ -301,7 +303,7 @@ World::Impl::Solved World::Impl::solve_island(const Island& island, const Attemp
     out.group.settled = settled;
     SolverOptions how = options.solver;
     how.tolerate = tolerate;
-    const double slow = 2 * step * norm(options.gravity);
+    const double slow = 2 * step * strongest();
     how.locking = std::ranges::all_of(island.bodies, [&](std::uint32_t b) {
       return norm(mid[b].v) + norm(spin(mid[b], b)) * shapes[b].radius <= slow;
     });
@@ -346,7 +348,7 @@ std::expected<bool, World::Impl::Failure> World::Impl::solve_all(const std::vect
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (touched[b] != 0 || !moves(b)) continue;
     // An implicit step of what nothing touches loses what it falls too far.
-    out.scheme -= (theta_of(b) - 0.5) * shapes[b].mass * step * step * dot(options.gravity, options.gravity);
+    out.scheme -= (theta_of(b) - 0.5) * shapes[b].mass * step * step * dot(pull, pull);
   }
   bool kept = true;
   const auto take_implicit_rule = [&](const Island& island) {
@@ -435,6 +437,9 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tol
 }
 
 void World::Impl::accept(Attempt& done) {
+  for (std::uint32_t b = 0; b < shapes.size(); ++b) {
+    if (moves(b)) energy.ground += shapes[b].mass * dot(pull - options.gravity, done.state[b].shift - state[b].shift);
+  }
   state = std::move(done.state);
   touches = std::move(done.touches);
   contacts = std::move(done.contacts);

@@ -30,7 +30,7 @@ void World::Impl::note_tie(std::uint32_t number, const Group& group, const Point
   TieRecord& tie = out.ties[number];
   tie.force = impulse / step;
   // Of a step that misses the law by its residual this is rounding.
-  if (room >= -1e-6 * step * norm(options.gravity)) return;
+  if (room >= -1e-6 * step * strongest()) return;
   // As the law is judged: an answer that is near enough may have a little less than the capacity where it gives.
   double mobility = p.on_body.col(0).dot(group.mass[p.body].llt().solve(p.on_body.col(0)));
   if (p.other) mobility += p.on_other.col(0).dot(group.mass[*p.other].llt().solve(p.on_other.col(0)));

@@ -18,6 +18,10 @@ std::string fault_of(const WorldOptions& o) {
   if (!(o.theta >= 0.5 && o.theta <= 1)) return "theta is not between 1/2 and 1";
   if (!(o.displacement > 0) || !(o.rotation > 0)) return "the limits of a step are not positive";
   if (!(o.overlap > 0)) return "the overlap allowed is not positive";
+  const GroundMotion& g = o.ground;
+  if (g.mean && (!(g.peak.si() >= 0) || !std::isfinite(g.peak.si()) || !(g.end.si() >= 0)))
+    return "the ground has no peak or no end";
+  if (g.mean && o.quasi_static) return "the ground moves, but every step starts from rest";
   return {};
 }
 
@@ -188,6 +192,7 @@ std::expected<StepReport, StepFailed> World::step(double at_most) {
   Impl::Failure last;
   for (std::size_t cut = 0; cut <= own.options.cuts; ++cut) {
     Attempt attempt;
+    own.pull = own.options.gravity - own.options.ground.over(own.now, own.now + step);
     // A rougher answer counts where a shorter step does no better.
     const double tolerate = (cut == 0 ? 0.1 : 1) * own.options.solver.tolerate;
     const std::vector<std::uint8_t> torn = own.torn;
@@ -208,7 +213,7 @@ std::expected<StepReport, StepFailed> World::step(double at_most) {
 }
 
 StepReport World::Impl::close(Attempt& done) {
-  const double before = energy.kinetic + energy.potential;
+  const double before = energy.kinetic + energy.potential - energy.ground;
   const auto broken = [](const TieRecord& t) { return t.broken; };
   const auto ties_broken = std::ranges::count_if(done.ties, broken) - std::ranges::count_if(ties, broken);
   accept(done);
@@ -217,10 +222,10 @@ StepReport World::Impl::close(Attempt& done) {
   energy.lost -= done.work + done.scheme + done.friction;
   energy.projected += done.projected;
   const double total = energy.kinetic + energy.potential;
-  energy.largest_gain = std::max(energy.largest_gain, total - before - done.projected);
+  energy.largest_gain = std::max(energy.largest_gain, total - energy.ground - before - done.projected);
   const double largest = std::max({std::abs(energy.start), energy.kinetic, std::abs(energy.potential), energy.friction,
-                                   std::abs(energy.lost), std::abs(energy.projected)});
-  const double balance = energy.start - energy.friction - energy.lost + energy.projected;
+                                   std::abs(energy.lost), std::abs(energy.projected), std::abs(energy.ground)});
+  const double balance = energy.start - energy.friction - energy.lost + energy.projected + energy.ground;
   energy.closing_error = largest > 0 ? std::abs(total - balance) / largest : 0;
   Vec3 momentum;
   StepReport& report = done.report;
@@ -234,7 +239,7 @@ StepReport World::Impl::close(Attempt& done) {
     weight += held[b] == 0 ? shapes[b].mass : 0;
     all += held[b] == 0 ? shapes[b].mass * norm(state[b].v) : 0;
   }
-  largest_momentum = std::max({largest_momentum, all, now * weight * norm(options.gravity)});
+  largest_momentum = std::max({largest_momentum, all, now * weight * strongest()});
   momentum_off = norm(momentum - expected);
   report.time = now;
   report.contacts = contacts.size();
@@ -254,7 +259,7 @@ void World::Impl::sleep_and_wake(const Attempt& done) {
   }
   // What a tie held does not rest as before once that is gone.
   for (const std::uint32_t b : done.freed) asleep[b] = quiet[b] = 0;
-  if (!options.sleep) return;
+  if (!options.sleep || options.ground.moves_at(now)) return;
   for (const Island& island : islands_of(touches)) {
     if (!std::ranges::all_of(island.bodies, [&](std::uint32_t b) { return quiet[b] >= steps; })) continue;
     for (const std::uint32_t b : island.bodies) {
@@ -280,8 +285,7 @@ void World::Impl::wake_touched() {
     for (std::uint32_t b = 0; b < shapes.size(); ++b) {
       travel[b] = 1e-6 * shapes[b].size;
       if (moves(b)) {
-        travel[b] +=
-            step * (norm(state[b].v) + step * norm(options.gravity) + norm(spin(state[b], b)) * shapes[b].radius);
+        travel[b] += step * (norm(state[b].v) + step * strongest() + norm(spin(state[b], b)) * shapes[b].radius);
       }
     }
     bool any = wake_tied();

@@ -105,6 +105,7 @@ struct World::Impl {
   double extent = 0;
 
   double now = 0, last_step = 0;
+  Vec3 pull;  ///< m/s2, in this step: gravity, and the ground's acceleration the other way
   std::vector<State> state;
   std::vector<Touch> touches;  ///< of the last step, with impulses
   std::vector<Contact> contacts;
@@ -115,6 +116,10 @@ struct World::Impl {
   double largest_momentum = 0, momentum_off = 0;
 
   [[nodiscard]] bool moves(std::uint32_t b) const { return held[b] == 0 && asleep[b] == 0; }
+  /// m/s2, no less than any pull.
+  [[nodiscard]] double strongest() const {
+    return norm(options.gravity) + (options.ground.mean ? options.ground.peak.si() : 0);
+  }
   [[nodiscard]] Vec3 centroid(const State& s, std::uint32_t b) const { return shapes[b].centroid + s.shift; }
   [[nodiscard]] Vec3 spin(const State& s, std::uint32_t b) const {
     return s.turn * solve(shapes[b].inertia, s.momentum);

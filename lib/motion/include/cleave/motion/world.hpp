@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -196,6 +197,16 @@ struct SolveReport {
 
 // ---- motion
 
+/// Motion of the ground, which is all that is fixed. Bodies feel the opposite acceleration; what a world says of them
+/// is relative to the ground.
+struct GroundMotion {
+  std::function<Vec3(double from, double to)> mean = {};        ///< acceleration, mean of that time; empty: at rest
+  Acceleration peak = {};                                       ///< no less than any acceleration
+  Time end = seconds(std::numeric_limits<double>::infinity());  ///< no acceleration after it; nothing sleeps before
+  [[nodiscard]] bool moves_at(double time) const noexcept { return mean && time < end.si(); }
+  [[nodiscard]] Vec3 over(double from, double to) const { return moves_at(from) ? mean(from, to) : Vec3{}; }
+};
+
 struct WorldOptions {
   Vec3 gravity = {0, 0, -9.81};
   double step = 0.01;          ///< the longest
@@ -208,6 +219,7 @@ struct WorldOptions {
   double sleep_speed = 1e-7;
   bool quasi_static = false;  ///< every step starts from rest
   SolverOptions solver = {};
+  GroundMotion ground = {};
 };
 
 /// The step was cut as often as allowed and still failed; the world is as it was before.
@@ -227,12 +239,13 @@ struct Contact {
   bool bonded = false;
 };
 
-/// All of a run so far: kinetic + potential = start - friction - lost + projected.
+/// All of a run so far: kinetic + potential = start - friction - lost + projected + ground.
 struct Energy {
   double start = 0, kinetic = 0, potential = 0;
   double friction = 0;       ///< dissipated by slip
   double lost = 0;           ///< by impacts, ties that yield and the scheme, counted on their own
   double projected = 0;      ///< brought in by parting bodies that overlap and by drawing ties to their length
+  double ground = 0;         ///< work of the ground's acceleration on all bodies, relative to it
   double closing_error = 0;  ///< of the balance, over its largest term
   double largest_gain = 0;   ///< in a step, without what parting brought in
 };
@@ -301,8 +314,8 @@ class World final {
   /// All that this world carries from step to step, as bytes. Bodies, laws and options are not in it.
   [[nodiscard]] std::string saved() const;
   /// Goes on from there: every later step is that of the world that was saved, to the last bit. This world must have
-  /// been made of the same bodies, laws, gravity, `quasi_static` and `sleep`; its other options may differ. It is as it
-  /// was when there is an error.
+  /// been made of the same bodies, laws, gravity, motion of the ground, `quasi_static` and `sleep`; its other options
+  /// may differ. It is as it was when there is an error.
   [[nodiscard]] std::expected<void, SavedFault> restore(std::string_view saved);
 
   struct Impl;
