@@ -11,7 +11,7 @@ namespace {
 
 using namespace worlds;
 
-constexpr double free_fall = 9.81;
+constexpr double g_earth = 9.81;  ///< m/s2
 
 /// An acceleration for so long, from a time on.
 GroundMotion rectangle(Vec3 acceleration, double duration, double from = 0) {
@@ -21,18 +21,18 @@ GroundMotion rectangle(Vec3 acceleration, double duration, double from = 0) {
                 return (acts / (b - a)) * acceleration;
               },
           .peak = metres_per_second_squared(norm(acceleration)),
-          .end = seconds(from + duration)};
+          .end = Time::from_si(from + duration)};
 }
-/// Half a wave of a sine.
-GroundMotion half_sine(Vec3 acceleration, double duration) {
+/// Half a wave of a sine, from a time on.
+GroundMotion half_sine(Vec3 acceleration, double duration, double from = 0) {
   const double rate = std::numbers::pi / duration;
   return {.mean =
               [=](double a, double b) {
-                const double from = std::min(a, duration), to = std::min(b, duration);
-                return ((std::cos(rate * from) - std::cos(rate * to)) / (rate * (b - a))) * acceleration;
+                const double begin = std::clamp(a - from, 0.0, duration), end = std::clamp(b - from, 0.0, duration);
+                return ((std::cos(rate * begin) - std::cos(rate * end)) / (rate * (b - a))) * acceleration;
               },
           .peak = metres_per_second_squared(norm(acceleration)),
-          .end = seconds(duration)};
+          .end = Time::from_si(from + duration)};
 }
 /// Turned about the vertical.
 GroundMotion turned(GroundMotion ground, Turn by) {
@@ -49,12 +49,12 @@ World on_slope(double dip, double dip_direction, double friction, GroundMotion g
 TEST(Ground, ALevelBlockStaysUpToItsFrictionInAnyDirection) {
   const double mu = 0.3, time = 0.4;
   for (const Vec3 way : {Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, 1, 0}, Vec3{0.6, -0.8, 0}}) {
-    World stays = on_slope(0, 0, mu, rectangle(0.99 * mu * free_fall * way, 1));
+    World stays = on_slope(0, 0, mu, rectangle(0.99 * mu * g_earth * way, 1));
     ASSERT_TRUE(run(stays, time));
     EXPECT_LT(norm(stays.displacement(1)), 1e-9);
-    World slides = on_slope(0, 0, mu, rectangle(1.01 * mu * free_fall * way, 1));
+    World slides = on_slope(0, 0, mu, rectangle(1.01 * mu * g_earth * way, 1));
     ASSERT_TRUE(run(slides, time));
-    expect_near(slides.displacement(1), -0.01 * mu * free_fall * time * time / 2 * way, 1e-9);
+    expect_near(slides.displacement(1), -0.01 * mu * g_earth * time * time / 2 * way, 1e-9);
   }
 }
 
@@ -62,15 +62,15 @@ TEST(Ground, VerticalMotionWeighsOnFriction) {
   // Ground that drops takes weight off: friction ends at mu (g - drop).
   const double mu = 0.3, drop = 3;
   for (const double share : {0.99, 1.01}) {
-    const double push = share * mu * (free_fall - drop);
+    const double push = share * mu * (g_earth - drop);
     World w = on_slope(0, 0, mu, rectangle({push, 0, -drop}, 1));
     ASSERT_TRUE(run(w, 0.4));
-    expect_near(w.displacement(1), {share > 1 ? -0.01 * mu * (free_fall - drop) * 0.08 : 0, 0, 0}, 1e-9);
+    expect_near(w.displacement(1), {share > 1 ? -0.01 * mu * (g_earth - drop) * 0.08 : 0, 0, 0}, 1e-9);
   }
   // Ground that drops faster than a stone leaves the block behind.
-  World falls = on_slope(0, 0, mu, rectangle({0, 0, -1.5 * free_fall}, 1));
+  World falls = on_slope(0, 0, mu, rectangle({0, 0, -1.5 * g_earth}, 1));
   ASSERT_TRUE(run(falls, 0.2));
-  expect_near(falls.displacement(1), {0, 0, 0.5 * free_fall * 0.02}, 1e-9);
+  expect_near(falls.displacement(1), {0, 0, 0.5 * g_earth * 0.02}, 1e-9);
 }
 
 TEST(Ground, ASlopeGivesWayDownhillBeforeUphill) {
@@ -79,7 +79,7 @@ TEST(Ground, ASlopeGivesWayDownhillBeforeUphill) {
   struct Way {
     double sign, threshold;
   };
-  for (const Way& way : {Way{-1, free_fall * std::tan(phi - dip)}, Way{1, free_fall * std::tan(phi + dip)}}) {
+  for (const Way& way : {Way{-1, g_earth * std::tan(phi - dip)}, Way{1, g_earth * std::tan(phi + dip)}}) {
     for (const double share : {0.99, 1.01}) {
       World w = on_slope(20, 137, std::tan(phi), rectangle(way.sign * share * way.threshold * down, 1));
       ASSERT_TRUE(run(w, 0.3));
@@ -98,8 +98,8 @@ TEST(Ground, NewmarkUnderARectangularPulse) {
   const double dip = 20 * degree, mu = std::tan(25 * degree), push = 4, time = 0.2;
   const Vec3 down{std::sin(222.5 * degree), std::cos(222.5 * degree), 0};
   const double slides =
-      free_fall * std::sin(dip) + push * std::cos(dip) - mu * (free_fall * std::cos(dip) - push * std::sin(dip));
-  const double brakes = free_fall * (mu * std::cos(dip) - std::sin(dip));
+      g_earth * std::sin(dip) + push * std::cos(dip) - mu * (g_earth * std::cos(dip) - push * std::sin(dip));
+  const double brakes = g_earth * (mu * std::cos(dip) - std::sin(dip));
   const double path = slides * time * time / 2 * (1 + slides / brakes);
   World w = on_slope(20, 222.5, mu, rectangle(-push * down, time), 0.001);
   ASSERT_TRUE(run(w, time * (1 + slides / brakes) + 0.1));
@@ -133,17 +133,25 @@ double slid_under_half_sine(double amplitude, double limit, double duration) {
   return path(low);
 }
 
-TEST(Ground, NewmarkUnderHalfASine) {
+TEST(Ground, NewmarkUnderHalfASineConvergesWithTheStep) {
   const double mu = 0.2, amplitude = 5, duration = 0.31;
   const Vec3 way{0.6, 0.8, 0};
-  const double exact = slid_under_half_sine(amplitude, mu * free_fall, duration);
-  for (const double step : {0.02, 0.01, 0.005, 0.0025, 0.00125}) {
-    World w = on_slope(0, 0, mu, half_sine(amplitude * way, duration), step);
-    ASSERT_TRUE(run(w, 1.2));
-    EXPECT_LT(norm(w.displacement(1) + dot(w.displacement(1), -way) * way), 1e-9);
-    // Exact but for the steps in which it starts and stops.
-    EXPECT_NEAR(-dot(w.displacement(1), way), exact, 0.01 * step * exact) << step;
+  const double exact = slid_under_half_sine(amplitude, mu * g_earth, duration);
+  // How good one run is depends on where in a step the slip starts: the worst of several counts.
+  std::vector<double> worst;
+  for (const double step : {0.02, 0.01, 0.005, 0.0025}) {
+    double& most = worst.emplace_back(0);
+    for (const double late : {0.0, 0.2, 0.4, 0.6, 0.8}) {
+      World w = on_slope(0, 0, mu, half_sine(amplitude * way, duration, late * step), step);
+      ASSERT_TRUE(run(w, 1.2));
+      const double slid = -dot(w.displacement(1), way);
+      EXPECT_LT(norm(w.displacement(1) + slid * way), 1e-9);
+      most = std::max(most, std::abs(slid / exact - 1));
+    }
   }
+  EXPECT_LT(worst[0], 0.01);
+  EXPECT_LT(worst[3], 1.6e-4);  // 64 times less
+  EXPECT_NEAR(std::log2(worst[0] / worst[3]) / 3, 2, 0.3) << worst[0] << " " << worst[1] << " " << worst[2];
 }
 
 TEST(Ground, ATurnedSceneGivesTheTurnedAnswer) {
@@ -164,7 +172,7 @@ TEST(Ground, ATurnedSceneGivesTheTurnedAnswer) {
 TEST(Ground, ASlenderBlockLiftsFromWidthOverHeightOn) {
   for (const double share : {0.99, 1.01}) {
     World w = world({floor(), body(moved(block(0.5, 1, 2), {0, 0, 1}))}, 2,
-                    {.step = 0.005, .ground = rectangle({share * free_fall / 4, 0, 0}, 1)});
+                    {.step = 0.005, .ground = rectangle({share * g_earth / 4, 0, 0}, 1)});
     ASSERT_TRUE(run(w, 0.3));
     if (share < 1) {
       EXPECT_LT(norm(w.spin(1)), 1e-9);
@@ -177,12 +185,12 @@ TEST(Ground, ASlenderBlockLiftsFromWidthOverHeightOn) {
 TEST(Ground, ARectangularPulseOverturnsASlenderBlock) {
   // Housner (1963): k = a / (g alpha) overturns after p t = ln(k / (k - 1)); p^2 = 3 g / (4 R); small angles.
   const double alpha = std::atan(0.1), half = 0.5 * std::hypot(0.2, 2);
-  const double p = std::sqrt(0.75 * free_fall / half);
+  const double p = std::sqrt(0.75 * g_earth / half);
   for (const double k : {1.5, 2.5}) {
     const double time = std::log(k / (k - 1)) / p;
     for (const double share : {0.98, 1.02}) {
       World w = world({floor(), body(moved(block(0.2, 1, 2), {0, 0, 1}))}, 2,
-                      {.step = 0.001, .ground = rectangle({k * std::tan(alpha) * free_fall, 0, 0}, share * time)});
+                      {.step = 0.001, .ground = rectangle({k * std::tan(alpha) * g_earth, 0, 0}, share * time)});
       double most = 0;
       for (int n = 0; n < 3000 && most < 1.2 * alpha; ++n) {
         ASSERT_TRUE(w.step());
@@ -204,7 +212,7 @@ TEST(Ground, NothingSleepsWhileTheGroundMayMove) {
   EXPECT_GT(norm(w.velocity(1)), 0.5);
   ASSERT_TRUE(run(w, 1.4));
   EXPECT_TRUE(w.asleep(1));
-  const double slides = 6 - 0.3 * free_fall, path = slides * 0.02 * (1 + slides / (0.3 * free_fall));
+  const double slides = 6 - 0.3 * g_earth, path = slides * 0.02 * (1 + slides / (0.3 * g_earth));
   expect_near(w.displacement(1), {-path, 0, 0}, 1e-3);
 }
 
@@ -219,10 +227,12 @@ TEST(Ground, GoesOnFromASavedStateToTheLastBit) {
   ASSERT_TRUE(run(later, 0.5));
   EXPECT_EQ(whole.saved(), later.saved());
   EXPECT_GT(whole.energy().ground, 0);
-  World other = make(4);
-  const auto refused = other.restore(saved);
-  ASSERT_FALSE(refused.has_value());
-  EXPECT_EQ(refused.error(), SavedFault::other_world);
+  // Another ground is another world, even where it shakes as strongly.
+  for (const double push : {4.0, -3.0}) {
+    const auto taken = make(push).restore(saved);
+    ASSERT_FALSE(taken);
+    EXPECT_EQ(taken.error(), SavedFault::other_world);
+  }
 }
 
 TEST(Ground, RefusesWhatMeansNothing) {

@@ -75,7 +75,14 @@ std::string identity_of(const World::Impl& w) {
   ArchiveWriter a;
   for (const TieRecord& tie : w.ties) a(tie.tie);
   a(w.shapes, *w.cells, w.surfaces, w.bonds, w.extent, w.options.gravity, w.options.quasi_static, w.options.sleep);
-  if (const GroundMotion& g = w.options.ground; g.mean) a(g.peak.si(), g.end.si());
+  if (const GroundMotion& g = w.options.ground; g.mean) {
+    const double end = g.end.si();
+    a(g.peak.si(), end);
+    // A function has no bytes: what it is over parts of the motion.
+    constexpr int parts = 64;
+    const double part = (std::isfinite(end) && end > 0 ? end : 10.0) / parts;
+    for (int k = 0; k < parts; ++k) a(g.mean(k * part, (k + 1) * part));
+  }
   return sha256_hex(a.bytes());
 }
 
