@@ -132,5 +132,60 @@ TEST(SweepsTest, PartsLeanOnWhatStays) {
   }
 }
 
+/// Blocks in space in a row of rows, each on several of those before it and on rock, as joints in any direction part
+/// them.
+Assembly heap(Rng& rng, std::uint32_t blocks) {
+  Builder b{Freedom::translation};
+  const auto normal = [&] {
+    const double dip = 20 + 65 * rng.uniform(), direction = 360 * rng.uniform();
+    return plane(dip, direction);
+  };
+  for (std::uint32_t k = 0; k < blocks; ++k) {
+    const std::uint32_t id = b.block({0, 0, -1}, 1);
+    b.contact(id, rock, normal(), tan_deg(30));
+    for (std::uint32_t j = 1; j <= 3 && j <= k; ++j) {
+      if (rng.uniform() < 0.7) b.contact(id, k - j, normal(), tan_deg(30));
+    }
+  }
+  return b.made();
+}
+
+// Friction between several blocks has several solutions. What moves in one of them is in a group, whichever order of
+// contacts comes by it.
+TEST(SweepsTest, AnotherOrderMayFindMotion) {
+  Rng rng{11};
+  int more = 0;
+  for (int trial = 0; trial < 22; ++trial) {
+    SCOPED_TRACE(trial);
+    const Assembly assembly = heap(rng, 26);
+    const Elements elements{assembly};
+    const auto moving = [&](unsigned order) {
+      const Solution found = settle(elements, 1, order);
+      std::vector<std::uint8_t> out(26);
+      for (std::size_t k = 0; k < out.size(); ++k) {
+        out[k] = found.state.v.segment<3>(3 * static_cast<Eigen::Index>(k)).norm() > 1e-6 ? 1 : 0;
+      }
+      return out;
+    };
+    std::vector<std::uint8_t> once = moving(0), any = once;
+    for (unsigned order = 1; order <= other_orders; ++order) {
+      const auto now = moving(order);
+      for (std::size_t k = 0; k < any.size(); ++k) any[k] = std::max(any[k], now[k]);
+    }
+    more += any != once ? 1 : 0;
+    std::vector<std::uint8_t> said(26);
+    const Groups found = find_groups(assembly, Ask::verdicts), by_threads = find_groups(assembly, Ask::verdicts, 3);
+    ASSERT_EQ(found.groups.size(), by_threads.groups.size());
+    for (const Group& group : found.groups) {
+      const Group& other = by_threads.groups[static_cast<std::size_t>(&group - found.groups.data())];
+      EXPECT_TRUE(group.bodies == other.bodies && group.verdict == other.verdict);
+      if (group.verdict == Verdict::in_doubt) continue;
+      for (const std::uint32_t body : group.bodies) said[body] = 1;
+    }
+    for (std::size_t k = 0; k < any.size(); ++k) EXPECT_LE(any[k], said[k]) << k;
+  }
+  EXPECT_GT(more, 1);
+}
+
 }  // namespace
 }  // namespace cleave::assembly

@@ -333,7 +333,7 @@ TEST(KeyGroupsScene, WhatIsInDoubtIsLetGo) {
     stability::KeyGroups doubted = *moves.key_groups;
     ASSERT_EQ(doubted.groups.size(), 1U);
     doubted.groups[0].verdict = assembly::Verdict::in_doubt;
-    const auto found = [&] { return let_go(scene, moves, moves.complex->complex(), doubted).at(0); };
+    const auto found = [&] { return let_go(scene, moves, moves.complex->complex(), doubted, 1).at(0); };
     EXPECT_EQ(found(), quake ? LetGo::not_tried : LetGo::moved);
     // Of one of the two the other gives way.
     doubted.groups[0].blocks.pop_back();

@@ -29,6 +29,8 @@ struct Ended {
   ContactForces forces;                 ///< of the state it ended in
 };
 [[nodiscard]] Start start_from_rest(const Assembly& assembly, double factor, Ended& ended);
+/// By sweeps alone, in one of the orders of `settle`.
+[[nodiscard]] Start start_by_sweeps(const Assembly& assembly, double factor, unsigned order, Ended& ended);
 /// From rest with weaker bonds and strengths first, then on from there at those of `assembly`.
 struct Twice {
   Start weaker, start;
@@ -66,6 +68,7 @@ class Branch final {
   void allow(unsigned solves) { allowed_ = solves; }
   /// Motion that interior points come by, apart from what was found before; empty where they find none.
   [[nodiscard]] std::optional<Found> by_inner_points(double divisor) const;
+  [[nodiscard]] Found by_sweeps(double divisor, unsigned order = 0) const;
   /// Makes what was found the start of what follows.
   void keep(const Found& found) { start_ = found.state; }
   [[nodiscard]] Newton& newton() noexcept { return newton_; }
@@ -74,7 +77,6 @@ class Branch final {
   [[nodiscard]] Found judged(double divisor, State state) const;
   [[nodiscard]] Found by_newton(double divisor);
   [[nodiscard]] Found by_thresholds(double divisor);
-  [[nodiscard]] Found by_sweeps(double divisor);
   [[nodiscard]] Found standing(double divisor);
 
   const Elements* elements_;

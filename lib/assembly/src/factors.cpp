@@ -184,6 +184,11 @@ Start start_from_rest(const Assembly& assembly, double factor, Ended& ended) {
   return started(assembly, elements, std::move(found), ended);
 }
 
+Start start_by_sweeps(const Assembly& assembly, double factor, unsigned order, Ended& ended) {
+  const Elements elements{assembly};
+  return started(assembly, elements, Branch{elements}.by_sweeps(factor, order), ended);
+}
+
 Twice start_from_weaker(const Assembly& weaker, double factor, const Assembly& assembly) {
   const Elements weak{weaker}, whole{assembly};
   auto [first, then] = settle(weak, factor, whole, 1);

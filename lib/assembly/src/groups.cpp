@@ -9,6 +9,7 @@
 #include "branch.hpp"
 #include "cleave/core/assert.hpp"
 #include "cleave/core/fields.hpp"
+#include "cleave/core/parallel.hpp"
 #include "settle.hpp"
 
 namespace cleave::assembly {
@@ -29,6 +30,8 @@ constexpr double even_share = 0.5;
 constexpr int most_rounds = 4;
 /// A body rests when its forces lack no more than this share of its load: among few bodies, and among more.
 constexpr double still_of_few = 1e-6, still_of_many = 1e-4;
+/// Up to so many bodies are looked at in all orders of contacts; among more one other search is made.
+constexpr std::size_t most_for_orders = 400;
 
 std::vector<std::uint8_t> moving_ones(const std::vector<double>& speed) {
   double most = 0;
@@ -70,6 +73,13 @@ Assembly with_bonds(const Assembly& assembly, const std::vector<double>& share) 
   auto made = Assembly::make(std::move(spec));
   CLEAVE_ASSERT(made.has_value());
   return *std::move(made);
+}
+
+/// Of the cohesion of joints that breaks bit by bit; a tie is no joint.
+std::vector<double> even_shares(const Assembly& assembly) {
+  std::vector<double> out;
+  for (const Contact& contact : assembly.contacts()) out.push_back(contact.is_tie() ? 1 : even_share);
+  return out;
 }
 
 bool apart(double up, double moving) { return !(up <= 1.05 * moving); }
@@ -117,8 +127,12 @@ namespace {
 /// One island.
 class Search final {
  public:
-  Search(const Assembly& island, Ask ask)
-      : island_{island}, ask_{ask}, taken_(island.bodies().size(), 0), counts_(island.contacts().size(), 1.0) {}
+  Search(const Assembly& island, Ask ask, ThreadLimit threads)
+      : island_{island},
+        ask_{ask},
+        threads_{threads},
+        taken_(island.bodies().size(), 0),
+        counts_(island.contacts().size(), 1.0) {}
 
   /// False when it stands without friction.
   bool run() {
@@ -127,39 +141,64 @@ class Search final {
       const Projection free = project(island_, infinite);
       if (free.settled && !(free.largest > slow)) return false;
     }
-    Ended ended;
-    const Start start = begin(ended);
+    std::vector<Begun> begun =
+        parallel_map(1 + other_searches(), threads_, [&](std::size_t k) { return begin(static_cast<unsigned>(k)); });
+    const Start& start = begun.front().start;
+    const ContactForces& forces = begun.front().ended.forces;
+    weaker_ = std::move(begun.front().weaker.speed);
+    weaker_forces_ = std::move(begun.front().weaker_ended.forces);
     std::vector<std::uint8_t> hardly(island_.contacts().size(), 0);
-    (void)hardly_pressed(ended.forces, counts_, hardly);
+    (void)hardly_pressed(forces, counts_, hardly);
     const std::vector<std::uint8_t> moving = moving_ones(start.speed);
-    std::vector<std::uint8_t> open = not_at_rest(island_, moving, ended);
+    std::vector<std::uint8_t> open = not_at_rest(island_, moving, begun.front().ended);
     // What rests in a search that begins with motion is not looked at again among many: to fix it only adds support.
     std::vector<std::uint8_t> active(open.size(), 1);
     for (std::size_t b = 0; large && b < open.size(); ++b) active[b] = std::max(moving[b], open[b]);
     find_certain(active);
     take(moving, Verdict::unsafe, start.motion);
+    for (std::size_t k = 1; k < begun.size(); ++k) add_moving(begun[k], open);
     look_closer(std::move(open));
-    look_weaker(ended.forces);
+    look_weaker(forces);
+    parallel_for(groups_.size(), threads_, [&](std::size_t k) { give_factors(groups_[k]); });
     return true;
   }
   [[nodiscard]] std::vector<Group>& groups() noexcept { return groups_; }
 
  private:
-  /// Among more than few bodies the search with less strength comes first, and goes on to full strength.
-  Start begin(Ended& ended) {
-    if (island_.bodies().size() <= few_bodies) return start_from_rest(island_, 1, ended);
-    Twice twice = start_from_weaker(with_bonds(island_, shares()), within_reach, island_);
-    weaker_ = std::move(twice.weaker.speed);
-    weaker_forces_ = std::move(twice.weaker_ended.forces);
-    ended = std::move(twice.ended);
-    return std::move(twice.start);
+  struct Begun {
+    Start start, weaker;
+    Ended ended, weaker_ended;
+  };
+  /// Among more than few bodies the first search begins with less strength, and goes on to full strength. Others take
+  /// contacts in one order after the other.
+  [[nodiscard]] Begun begin(unsigned search) const {
+    Begun out;
+    const bool few = island_.bodies().size() <= few_bodies;
+    if (search > 0) {
+      // Among few the first search took the order given.
+      out.start = start_by_sweeps(island_, 1, few ? search : search - 1, out.ended);
+    } else if (few) {
+      out.start = start_from_rest(island_, 1, out.ended);
+    } else {
+      Twice twice = start_from_weaker(with_bonds(island_, even_shares(island_)), within_reach, island_);
+      out = {std::move(twice.start), std::move(twice.weaker), std::move(twice.ended), std::move(twice.weaker_ended)};
+    }
+    return out;
+  }
+  [[nodiscard]] unsigned other_searches() const {
+    const std::size_t bodies = island_.bodies().size();
+    if (bodies == 1 && !turns(island_.freedom())) return 0;  // its answer is the only one
+    if (bodies <= few_bodies) return other_orders;
+    return bodies <= most_for_orders ? 1 + other_orders : 1;
   }
 
-  /// Of the cohesion of joints that breaks bit by bit; a tie is no joint.
-  [[nodiscard]] std::vector<double> shares() const {
-    std::vector<double> out;
-    for (const Contact& contact : island_.contacts()) out.push_back(contact.is_tie() ? 1 : even_share);
-    return out;
+  /// Adds what moves in another search. `open`: what no search settled of.
+  void add_moving(const Begun& other, std::vector<std::uint8_t>& open) {
+    const std::vector<std::uint8_t> moving = moving_ones(other.start.speed);
+    const std::vector<std::uint8_t> left = not_at_rest(island_, moving, other.ended);
+    for (std::size_t b = 0; b < open.size(); ++b) open[b] = std::min(open[b], left[b]);
+    if (island_.bodies().size() > followed_bodies) find_certain(not_taken(moving));
+    take(moving, Verdict::unsafe, other.start.motion);
   }
 
   void find_certain(const std::vector<std::uint8_t>& among) {
@@ -197,7 +236,7 @@ class Search final {
   /// solutions exist the search may have missed the one that comes about.
   void look_weaker(ContactForces forces) {
     if (std::ranges::all_of(taken_, [](std::uint8_t t) { return t != 0; })) return;
-    std::vector<double> share = shares();
+    std::vector<double> share = even_shares(island_);
     std::vector<std::uint8_t> hardly(share.size(), 0);
     std::vector<std::uint8_t> moves;
     for (int round = 0; round < most_rounds; ++round) {
@@ -307,14 +346,21 @@ class Search final {
     Group& group = groups_.emplace_back();
     group.verdict = verdict;
     group.motion = std::move(motion);
-    const bool moves = verdict != Verdict::in_doubt;
-    group.factors = ask_ == Ask::factors && members.size() <= (moves ? most_for_factors : few_for_fine_factors);
+    group.bodies = std::move(members);
+    return group;
+  }
+
+  void give_factors(Group& group) const {
+    const bool moves = group.verdict != Verdict::in_doubt;
+    group.factors = ask_ == Ask::factors && group.bodies.size() <= (moves ? most_for_factors : few_for_fine_factors);
+    group.up.factor = group.verdict == Verdict::certain ? 1 : infinite;
+    group.moving = {.factor = 1, .settled = false};
     if (group.factors) {
-      const Assembly part = island_.part(members, Assembly::Others::fixed);
-      const Accuracy accuracy = members.size() > few_for_fine_factors ? Accuracy::coarse : Accuracy::quick;
+      const Assembly part = island_.part(group.bodies, Assembly::Others::fixed);
+      const Accuracy accuracy = group.bodies.size() > few_for_fine_factors ? Accuracy::coarse : Accuracy::quick;
       // What is certain counts all cohesion; what may move counts what is pressed.
       group.up = static_factor(part, accuracy);
-      const Assembly pressed = with_bonds(island_, counts_).part(members, Assembly::Others::fixed);
+      const Assembly pressed = with_bonds(island_, counts_).part(group.bodies, Assembly::Others::fixed);
       group.moving = moving_factor(pressed, group.up.factor, accuracy);
       if (moves && !turns(island_.freedom())) {
         const Freedom turning = flat(island_.freedom()) ? Freedom::section : Freedom::rigid;
@@ -322,21 +368,16 @@ class Search final {
         group.turning = moving_factor(pressed.with(turning), group.up.factor, accuracy);
         group.turning->factor = std::min(group.turning->factor, 1.0);
       }
-    } else {
-      group.up.factor = verdict == Verdict::certain ? 1 : infinite;
-      group.moving.factor = 1;
-      group.moving.settled = false;
     }
     // It moves at strengths as they are.
     if (moves) group.moving.factor = std::min(group.moving.factor, 1.0);
     // The proof caps what contacts press with, the factor does not.
-    if (verdict == Verdict::certain) group.up.factor = std::min(group.up.factor, 1.0);
-    group.bodies = std::move(members);
-    return group;
+    if (group.verdict == Verdict::certain) group.up.factor = std::min(group.up.factor, 1.0);
   }
 
   const Assembly& island_;
   Ask ask_;
+  ThreadLimit threads_;
   std::vector<std::uint8_t> taken_;
   std::vector<double> counts_;  ///< by contact: share of its cohesion in factors
   std::vector<double> weaker_;  ///< speeds that the search with less strength found first; empty: there was none
@@ -346,12 +387,12 @@ class Search final {
 
 }  // namespace
 
-Groups find_groups(const Assembly& assembly, Ask ask) {
+Groups find_groups(const Assembly& assembly, Ask ask, unsigned threads) {
   Groups out;
   const std::vector<std::uint8_t> all(assembly.bodies().size(), 1);
   for (const std::vector<std::uint32_t>& members : connected_parts(assembly, all)) {
     const Assembly island = assembly.part(members, Assembly::Others::fixed);
-    Search search{island, ask};
+    Search search{island, ask, ThreadLimit{threads}};
     if (!search.run()) {
       out.held += members.size();
       continue;

@@ -91,12 +91,12 @@ bool polish(const Elements& part, double divisor, State& state) {
 /// The search of `settle`, at one strength after another.
 class Settling final {
  public:
-  Settling(const Elements& elements, double divisor)
+  Settling(const Elements& elements, double divisor, unsigned order)
       : elements_{&elements},
         divisor_{divisor},
         few_{elements.bodies() <= few_bodies},
         still_{few_ ? at_rest_of_few : at_rest},
-        sweeps_{elements, divisor, 0.1 * still_},
+        sweeps_{elements, divisor, 0.1 * still_, order},
         width_{elements.width()} {
     // Friction grows on what moves, so that it acts against the motion: from free fall it would lock across it.
     grow_from(1e3 * divisor);
@@ -237,11 +237,13 @@ class Settling final {
 
 }  // namespace
 
-Solution settle(const Elements& elements, double divisor) { return Settling{elements, divisor}.run(); }
+Solution settle(const Elements& elements, double divisor, unsigned order) {
+  return Settling{elements, divisor, order}.run();
+}
 
 std::pair<Solution, Solution> settle(const Elements& weaker, double weaker_divisor, const Elements& elements,
                                      double divisor) {
-  Settling settling{weaker, weaker_divisor};
+  Settling settling{weaker, weaker_divisor, 0};
   Solution first = settling.run();
   settling.go_on(elements, divisor);
   return {std::move(first), settling.run()};

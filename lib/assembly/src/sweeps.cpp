@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <random>
 #include <utility>
 
 namespace cleave::assembly {
@@ -32,6 +34,16 @@ inline void limit_shear(Vector3d& x, double cap) {
   x[2] *= share;
 }
 
+std::vector<std::uint32_t> ordered(std::size_t count, unsigned order) {
+  std::vector<std::uint32_t> out(count);
+  std::iota(out.begin(), out.end(), 0U);
+  if (order == 1) std::ranges::reverse(out);
+  if (order <= 1) return out;
+  std::mt19937_64 draw{order};  // the same everywhere, which std::shuffle does not promise
+  for (std::size_t left = count; left > 1; --left) std::swap(out[left - 1], out[draw() % left]);
+  return out;
+}
+
 }  // namespace
 
 template <class A>
@@ -58,13 +70,14 @@ Sweeps::AnyLinks Sweeps::any_links_of(const Elements& elements) {
   std::unreachable();
 }
 
-Sweeps::Sweeps(const Elements& elements, double divisor, double asleep)
+Sweeps::Sweeps(const Elements& elements, double divisor, double asleep, unsigned order)
     : elements_{&elements},
       divisor_{divisor},
       strength_{1 / divisor},
       asleep_{asleep},
       state_{elements.load(), std::vector<Vector3d>(elements.all().size(), Vector3d::Zero())},
       links_{any_links_of(elements)},
+      order_{ordered(elements.all().size(), order)},
       before_(state_.x),
       along_(state_.x) {
   const bool straight = std::visit([]<class A>(const Links<A>&) { return !A::turns; }, links_);
@@ -107,7 +120,7 @@ void Sweeps::tell_rates() { std::copy_n(rates_.begin(), state_.v.size(), state_.
 void Sweeps::choose() {
   const std::vector<std::uint8_t> awake = moving(asleep_);
   active_.clear();
-  for (std::uint32_t k = 0; k < elements_->all().size(); ++k) {
+  for (const std::uint32_t k : order_) {
     const Element& e = elements_->all()[k];
     if (awake[e.body] != 0 || (e.other && awake[*e.other] != 0)) {
       active_.push_back(k);

@@ -17,9 +17,9 @@ namespace cleave::assembly {
 /// are left alone until a neighbour pushes them.
 class Sweeps final {
  public:
-  /// Bodies slower than `asleep` of their own free fall are left alone.
-  Sweeps(const Elements& elements, double divisor, double asleep);
-  Sweeps(const Elements&&, double, double) = delete;
+  /// Bodies slower than `asleep` of their own free fall are left alone. `order`: of contacts, as of `settle`.
+  Sweeps(const Elements& elements, double divisor, double asleep, unsigned order);
+  Sweeps(const Elements&&, double, double, unsigned) = delete;
 
   /// Up to so many sweeps; ends when all is at rest or nothing changes any more.
   void run(int most);
@@ -78,6 +78,7 @@ class Sweeps final {
   double divisor_, strength_, asleep_;
   State state_;
   AnyLinks links_;
+  std::vector<std::uint32_t> order_;             ///< elements as they are swept
   std::vector<double> rates_;                    ///< rows of all bodies, and of one more that stays 0
   std::vector<Eigen::Matrix3d> stiff_;           ///< by element where bodies turn: force that stops a unit rate
   std::vector<double> own_;                      ///< by body: rate of free fall

@@ -34,13 +34,13 @@ enum class Detail : std::uint8_t {
 [[nodiscard]] Length longest_bolt(const Scene& scene);
 
 /// So many blocks are judged together: fewer where groups are only noted.
-[[nodiscard]] stability::Together together(const Scene& scene);
+[[nodiscard]] stability::Together together(const Scene& scene, unsigned threads);
 
 /// m, of all tunnels.
 [[nodiscard]] std::optional<Length> tunnel_length(const Scene& scene);
 
 /// [support] in the rock after each stage of the sequence: without and with the bolts of the stage.
-void judge_support_in_stages(const Scene& scene, Realization& made);
+void judge_support_in_stages(const Scene& scene, Realization& made, unsigned threads);
 
 // What is judged beside the base case goes into the realization; blocks cut by a window that it depends on into
 // `Realization::undecided`.
@@ -49,7 +49,7 @@ void judge_cases(const Scene& scene, const topology::AuditedComplex& complex, Re
 /// After `judge_cases`: the support is checked under each named case too. Shown: with factors, and its designs are
 /// searched for, if the scene asks for them.
 void judge_support(const Scene& scene, const topology::AuditedComplex& complex, const stability::Analysis& analysis,
-                   Realization& made, Detail detail);
+                   Realization& made, Detail detail, unsigned threads);
 void judge_maximum_blocks(const Scene& scene, Realization& made);
 
 }  // namespace cleave::scene

@@ -322,8 +322,10 @@ std::optional<Length> tunnel_length(const Scene& scene) {
   return length;
 }
 
-stability::Together together(const Scene& scene) {
-  return scene.stability->decides_by_groups() ? stability::most_together : stability::most_noted;
+stability::Together together(const Scene& scene, unsigned threads) {
+  stability::Together out = scene.stability->decides_by_groups() ? stability::most_together : stability::most_noted;
+  out.threads = threads;
+  return out;
 }
 
 void forget_cases_and_support(Realization& made) {
@@ -342,7 +344,7 @@ void judge_cases(const Scene& scene, const topology::AuditedComplex& complex, Re
   }
 }
 
-void judge_support_in_stages(const Scene& scene, Realization& made) {
+void judge_support_in_stages(const Scene& scene, Realization& made, unsigned threads) {
   for (StageResult& row : made.sequence->stages) {
     if (!row.complex || !*row.complex || !row.analysis) continue;
     const topology::AuditedComplex& complex = **row.complex;
@@ -357,7 +359,7 @@ void judge_support_in_stages(const Scene& scene, Realization& made) {
     const SupportFigures with = count_support(installed);
     std::optional<stability::GroupSupport> groups;
     if (scene.stability->groups != stability::GroupsCheck::off) {
-      groups = check_groups(complex, settings, plan, installed, together(scene));
+      groups = check_groups(complex, settings, plan, installed, together(scene, threads));
     }
     const bool too_many = groups && groups->too_many();
     std::erase_if(plan.bolts, later(row.stage));
@@ -376,7 +378,7 @@ void judge_support_in_stages(const Scene& scene, Realization& made) {
 }
 
 void judge_support(const Scene& scene, const topology::AuditedComplex& complex, const stability::Analysis& analysis,
-                   Realization& made, Detail detail) {
+                   Realization& made, Detail detail, unsigned threads) {
   const stability::Settings settings = settings_on(complex.complex(), scene, made, scene.stability->loads);
   const SupportSettings& support = *scene.support;
   stability::SupportPlan plan = support.plan;
@@ -392,7 +394,7 @@ void judge_support(const Scene& scene, const topology::AuditedComplex& complex, 
   }
   if (!support.design || detail == Detail::counted || !made.undecided.empty()) return;
   const bool groups = scene.stability->groups != stability::GroupsCheck::off;
-  const auto asked = groups ? std::optional{together(scene)} : std::nullopt;
+  const auto asked = groups ? std::optional{together(scene, threads)} : std::nullopt;
   std::vector<PlanCheck> checks;
   checks.emplace_back(complex, settings, analysis, support.plan, asked);
   for (std::size_t k = 0; k < made.load_cases.size(); ++k) {

@@ -9,6 +9,7 @@
 
 #include "cleave/assembly/groups.hpp"
 #include "cleave/core/fields.hpp"
+#include "cleave/core/parallel.hpp"
 #include "cleave/motion/world.hpp"
 #include "motion_bolts.hpp"
 #include "motion_recorder.hpp"
@@ -438,25 +439,29 @@ LetGo let_go(const Scene& scene, const Realization& made, const BlockComplex& co
 }  // namespace
 
 std::vector<std::optional<LetGo>> let_go(const Scene& scene, const Realization& made, const BlockComplex& complex,
-                                         const stability::KeyGroups& groups) {
+                                         const stability::KeyGroups& groups, unsigned threads) {
   std::vector<std::optional<LetGo>> out(groups.groups.size());
-  std::size_t tried = 0;
+  std::vector<std::size_t> tried;
   for (std::size_t k = 0; k < out.size(); ++k) {
     const stability::KeyGroup& group = groups.groups[k];
     if (group.verdict != assembly::Verdict::in_doubt) continue;
     // With partial factors motion has other strengths than the verdict.
-    if (++tried > most_groups_let_go || more_than_gravity(scene.stability->loads) ||
+    if (tried.size() >= most_groups_let_go || more_than_gravity(scene.stability->loads) ||
         reduces_strength(*scene.stability)) {
       out[k] = LetGo::not_tried;
       continue;
     }
+    tried.push_back(k);
+  }
+  parallel_for(tried.size(), ThreadLimit{threads}, [&](std::size_t i) {
+    const stability::KeyGroup& group = groups.groups[tried[i]];
     std::vector<std::uint8_t> gone(complex.blocks().size(), 0);
     for (const stability::KeyGroup& other : groups.groups) {
       if (other.verdict == assembly::Verdict::in_doubt || other.batch >= group.batch) continue;
       for (const BlockId b : other.blocks) gone[b.index()] = 1;
     }
-    out[k] = let_go(scene, made, complex, group, gone);
-  }
+    out[tried[i]] = let_go(scene, made, complex, group, gone);
+  });
   return out;
 }
 

@@ -15,6 +15,6 @@ namespace cleave::scene {
 /// before that of the group are gone.
 [[nodiscard]] std::vector<std::optional<LetGo>> let_go(const Scene& scene, const Realization& made,
                                                        const topology::BlockComplex& complex,
-                                                       const stability::KeyGroups& groups);
+                                                       const stability::KeyGroups& groups, unsigned threads);
 
 }  // namespace cleave::scene

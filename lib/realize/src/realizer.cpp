@@ -133,7 +133,7 @@ Realizer::Done Realizer::cut_near_free_faces() {
       booked(Step::stability, [&] { judge_cases(*scene_, complex, made_); });
     }
     if (scene_->support && made_.undecided.empty()) {
-      booked(Step::support, [&] { judge_support(*scene_, complex, analysis, made_, detail_); });
+      booked(Step::support, [&] { judge_support(*scene_, complex, analysis, made_, detail_, options_.threads); });
     }
     // The replay of a realization cuts what the ensemble cut.
     const bool grows = judges_groups() && (!scene_->monte_carlo || scene_->stability->decides_by_groups());
@@ -191,7 +191,7 @@ Realizer::Done Realizer::judge() {
     if (in_stages_ && final_state_) {
       made_.sequence =
           judge_stages(*scene_, *in_stages_, *final_state_, [&](const auto& state) { return analyse(state); });
-      if (scene_->support && detail_ == Detail::shown) judge_support_in_stages(*scene_, made_);
+      if (scene_->support && detail_ == Detail::shown) judge_support_in_stages(*scene_, made_, options_.threads);
     }
     made_.analysis = analyse(complex);
   }
@@ -208,7 +208,7 @@ Realizer::Done Realizer::judge() {
   made_.key_block_hash = hash_of_key_blocks(complex.complex(), *made_.analysis);
   if (judges_groups()) judge_groups();
   made_.let_go.clear();
-  if (made_.key_groups) made_.let_go = let_go(*scene_, made_, complex.complex(), *made_.key_groups);
+  if (made_.key_groups) made_.let_go = let_go(*scene_, made_, complex.complex(), *made_.key_groups, options_.threads);
   const stability::Settings with = settings(complex.complex());
   made_.held_from_within = stability::held_from_within(complex, with, *made_.analysis);
   if (!made_.key_groups || made_.key_groups->too_many) {
@@ -252,7 +252,8 @@ void Realizer::judge_groups_below_target() {
   stability::SupportPlan plan;
   plan.target_sliding = target->sliding;
   const stability::Settings with = settings(made_.complex->complex());
-  made_.groups_below_target = stability::groups_below_target(*made_.complex, with, plan, together(*scene_));
+  made_.groups_below_target =
+      stability::groups_below_target(*made_.complex, with, plan, together(*scene_, options_.threads));
 }
 
 /// Ensembles count groups only where they decide.
@@ -262,7 +263,8 @@ bool Realizer::judges_groups() const {
 }
 
 void Realizer::find_groups(const topology::AuditedComplex& complex) {
-  made_.key_groups = stability::find_key_groups(complex, settings(complex.complex()), together(*scene_));
+  made_.key_groups =
+      stability::find_key_groups(complex, settings(complex.complex()), together(*scene_, options_.threads));
 }
 
 /// Those of a window were found when it was cut.
@@ -295,7 +297,7 @@ void Realizer::judge_groups_of_cases() {
     CaseResult& load = made_.load_cases[k];
     const stability::Settings with =
         of_detail(settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads));
-    load.groups = stability::find_key_groups(complex, with, together(*scene_));
+    load.groups = stability::find_key_groups(complex, with, together(*scene_, options_.threads));
     if (scene_->stability->decides_by_groups()) stability::decide_by_groups(complex, with, *load.groups, load.analysis);
     add_moving_group_notes(*load.groups, load.analysis, "load case " + load.name + ": ", group_notes_);
   }
@@ -316,13 +318,14 @@ void Realizer::judge_groups_of_stages() {
   for (StageResult& row : made_.sequence->stages) {
     if (!row.complex || !*row.complex || !row.analysis) continue;
     const topology::AuditedComplex& complex = **row.complex;
-    row.groups = stability::find_key_groups(complex, settings(complex.complex()), together(*scene_));
+    row.groups = stability::find_key_groups(complex, settings(complex.complex()), together(*scene_, options_.threads));
     add_moving_group_notes(*row.groups, *row.analysis, "after stage " + std::to_string(row.stage) + ": ", group_notes_);
   }
 }
 
 void Realizer::support() {
-  if (made_.undecided.empty()) judge_support(*scene_, *made_.complex, *made_.analysis, made_, detail_);
+  if (made_.undecided.empty())
+    judge_support(*scene_, *made_.complex, *made_.analysis, made_, detail_, options_.threads);
 }
 
 /// Whether it holds groups that miss their target, in the base case and in each load case; ensembles ask it where
@@ -344,7 +347,8 @@ void Realizer::support_of_groups() {
 std::optional<stability::GroupSupport> Realizer::groups_with_support(const stability::Settings& settings,
                                                                      const stability::SupportResult& support,
                                                                      std::string_view where) {
-  auto found = stability::check_groups(*made_.complex, settings, scene_->support->plan, support, together(*scene_));
+  auto found = stability::check_groups(*made_.complex, settings, scene_->support->plan, support,
+                                       together(*scene_, options_.threads));
   if (!found.too_many()) return found;
   group_notes_.push_back(too_many_with_support(where));
   return std::nullopt;

@@ -392,9 +392,9 @@ class Search final {
     // Of what only the border holds the verdict is all that counts.
     const assembly::Ask ask = hangs_ ? assembly::Ask::verdicts : assembly::Ask::factors;
     std::array<std::vector<assembly::Group>, 2> found{
-        assembly::find_groups(whole.with(Freedom::translation), ask).groups, {}};
+        assembly::find_groups(whole.with(Freedom::translation), ask, most_.threads).groups, {}};
     if (blocks.size() <= most_.turning) {
-      found[1] = assembly::find_groups(whole, ask).groups;
+      found[1] = assembly::find_groups(whole, ask, most_.threads).groups;
     } else {
       out_.without_moments = true;
     }

@@ -155,7 +155,7 @@ struct Groups {
 };
 /// Whether factors are asked for: they take most of the time where groups are small.
 enum class Ask : std::uint8_t { verdicts, factors };
-/// All groups of one state.
-[[nodiscard]] Groups find_groups(const Assembly& assembly, Ask ask = Ask::factors);
+/// All groups of one state; the same for any number of threads, which is at least 1.
+[[nodiscard]] Groups find_groups(const Assembly& assembly, Ask ask = Ask::factors, unsigned threads = 1);
 
 }  // namespace cleave::assembly

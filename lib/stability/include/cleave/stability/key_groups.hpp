@@ -40,9 +40,10 @@ struct KeyGroup {
   bool factors = true;  ///< false: too large a group for factors
 };
 
-/// At most so many blocks are looked at together, and so many with moments.
+/// At most so many blocks are looked at together, and so many with moments. Any number of threads finds the same.
 struct Together {
   std::size_t blocks = 0, turning = 0;
+  unsigned threads = 1;  ///< at least 1
 };
 /// Where groups are only noted, so many that it costs little.
 inline constexpr Together most_together{20'000, 20'000}, most_noted{3'000, 300};
