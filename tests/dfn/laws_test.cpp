@@ -1,4 +1,4 @@
-#include "cleave/dfn/laws.hpp"
+#include "cleave/dfn/joint_set.hpp"
 
 #include <gtest/gtest.h>
 

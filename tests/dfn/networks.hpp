@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "cleave/dfn/laws.hpp"
+#include "cleave/dfn/joint_set.hpp"
 #include "cleave/dfn/sample.hpp"
 
 /// Networks in a box of 12 x 10 x 8 m, and means with their standard errors to compare with exact expectations.

@@ -569,7 +569,7 @@ TEST(ContactScene, ABlockOnAMovingGroundSlidesAsNewmarksBlock) {
   // A ground that shakes upwards lightens the block.
   GroundMotion shaken;
   shaken.amplitude = {5, -4};
-  shaken.time = {.kind = TimeFunction::Kind::harmonic, .duration = 0, .frequency = 2};
+  shaken.time = {.kind = TimeFunction::Kind::harmonic, .duration = {}, .frequency = Rate::from_si(2)};
   const double steep = newmark(shaken, {1.5, -9.7}, friction, 1.5);
   const std::string harmonic =
       "gravity = [1.5, -9.7]\nground = { acceleration = [5, -4], time = { kind = \"harmonic\", frequency = 2 } }";
@@ -578,7 +578,7 @@ TEST(ContactScene, ABlockOnAMovingGroundSlidesAsNewmarksBlock) {
   // The same triangle as a pulse and as a record whose values lie where no step ends.
   GroundMotion pulse;
   pulse.amplitude = {-8, 0};
-  pulse.time = {.kind = TimeFunction::Kind::pulse, .duration = 0.7, .frequency = 0};
+  pulse.time = {.kind = TimeFunction::Kind::pulse, .duration = seconds(0.7), .frequency = {}};
   const double thrown = newmark(pulse, {0, -9.81}, friction, 1.5);
   EXPECT_GT(thrown, 0.1);
   const double by_pulse =

@@ -324,6 +324,12 @@ TEST(KeyGroupsScene, WhatIsInDoubtIsLetGo) {
   ASSERT_EQ(near.let_go.size(), 1U);
   EXPECT_EQ(near.let_go[0], LetGo::stayed);
   EXPECT_EQ(notes_with(near, "0 moved, 1 stayed, 0 could not be tried"), 1U);
+  // On ground at rest, whatever [motion] does to it afterwards.
+  const RunResult shaken = run_of(active_and_passive(26) +
+                                  "[motion]\nduration = 0.01\nerror = false\n"
+                                  "ground = { acceleration = [-5, 0, 0] }\n");
+  ASSERT_EQ(shaken.let_go.size(), 1U);
+  EXPECT_EQ(shaken.let_go[0], LetGo::stayed);
   for (const bool quake : {false, true}) {
     const Scene scene = scene_of(example("slab_behind_toe") + (quake ? "seismic = [0.1, 0, 0]\n" : ""));
     StageTimer timer;

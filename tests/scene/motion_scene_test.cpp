@@ -56,6 +56,76 @@ TEST(MotionScene, KeyBlockSlidesAsItsAccelerationSays) {
   EXPECT_LT(motion.error->si(), 0.01);
 }
 
+/// The record of examples/shaken_slope: its steps and its accelerations.
+std::string record_of_example() {
+  const std::string text = example("shaken_slope");
+  const std::size_t from = text.find("step = 0.02"), to = text.find(']', text.find("x = [", from)) + 1;
+  return text.substr(from, to - from) + "\n";
+}
+
+/// The block on a plane of 20 degrees that only the ground moves.
+std::string shaken(const std::string& motion) {
+  std::string text = without_groups(slab(25, "release = \"all\"\nerror = false\n" + motion));
+  return text.replace(text.find("dip = 40"), 8, "dip = 20");
+}
+
+// Newmark's equation of motion integrated in steps of 5e-6 s, as of the same block in two dimensions. The rows of
+// the balance of energy are of the block as seen from the ground.
+TEST(MotionScene, SlidesUnderARecordAsNewmarkSays) {
+  const RunResult result = moved(shaken("duration = 4\nstep = 0.002\n[motion.ground.record]\n" + record_of_example()));
+  const MotionResult& motion = *result.motion;
+  ASSERT_TRUE(motion.converged) << motion.stopped_why;
+  ASSERT_EQ(motion.blocks.size(), 1U);
+  constexpr double path = 0.2460462066;
+  EXPECT_NEAR(std::hypot(motion.blocks[0].fall.si(), motion.blocks[0].runout.si()), path, 1e-4 * path);
+  EXPECT_NEAR(motion.blocks[0].fall.si(), path * std::sin(20 * std::numbers::pi / 180), 1e-4 * path);
+  ASSERT_TRUE(motion.work_of_ground.has_value());
+  EXPECT_GT(*motion.work_of_ground, 0.1 * motion.potential_lost);
+  EXPECT_NEAR(*motion.work_of_ground + motion.potential_lost, motion.dissipated, 1e-9 * motion.dissipated);
+  EXPECT_EQ(notes_with(result, "motion.step") + notes_with(result, "motion.duration"), 0U);
+}
+
+// The same along another axis of the same scene, and upwards: nothing that only lifts or presses slides less than a
+// block at rest, and what acts across the slide does not move it down.
+TEST(MotionScene, EveryAxisOfTheGroundActs) {
+  const auto path = [](const std::string& ground) {
+    const RunResult result = moved(shaken("duration = 0.5\nstep = 0.005\nground = { " + ground + " }\n"));
+    EXPECT_TRUE(result.motion->converged) << result.motion->stopped_why;
+    return result.motion->blocks.at(0).runout.si();
+  };
+  EXPECT_LT(path("acceleration = [0, 0, 0]"), 1e-9);
+  // Down at a the block weighs g - a less: friction and drive fall alike, and it stays. Towards the slope by a it
+  // slides by (a cos - g sin + tan(25) (g cos + a sin)) against it.
+  EXPECT_LT(path("acceleration = [0, 0, -3]"), 1e-6);
+  const double dip = 20 * std::numbers::pi / 180, mu = std::tan(25 * std::numbers::pi / 180), a = 2;
+  const double along = a * std::cos(dip) + 9.81 * std::sin(dip) - mu * (9.81 * std::cos(dip) - a * std::sin(dip));
+  EXPECT_NEAR(path("acceleration = [-2, 0, 0]"), 0.5 * along * 0.25 * std::cos(dip), 1e-4);
+  // A ramp to the same in 0.5 s, and its two halves: the mean over each step acts.
+  const double up = path("record = { step = 0.25, x = [0, -2, -4], z = [0, 0, 0] }");
+  EXPECT_NEAR(up, path("record = { step = 0.5, x = [0, -1], scale = 4 }"), 1e-9);
+  EXPECT_NEAR(up, path("acceleration = [-4, 0, 0], time = { kind = \"ramp\", duration = 0.5 }"), 1e-9);
+}
+
+TEST(MotionScene, GroundThatTheRunDoesNotSeeWholeIsSaid) {
+  const auto notes = [](const std::string& motion, const std::string& words) {
+    return notes_with(moved(shaken(motion)), words);
+  };
+  const std::string pulse = "acceleration = [1, 0, 0], time = { kind = \"pulse\", duration = 0.04 }";
+  EXPECT_EQ(notes("duration = 0.05\nstep = 0.01\nground = { " + pulse + " }\n", "long for ground that moves within"),
+            1U);
+  EXPECT_EQ(notes("duration = 0.05\nstep = 0.008\nground = { " + pulse + " }\n", "long for ground that moves"), 0U);
+  EXPECT_EQ(notes("duration = 0.03\nstep = 0.005\nground = { " + pulse + " }\n", "the ground moves for 0.04 s"), 1U);
+  EXPECT_EQ(notes("duration = 0.04\nstep = 0.005\nground = { " + pulse + " }\n", "the ground moves for"), 0U);
+  const std::string sine = "acceleration = [0.1, 0, 0], time = { kind = \"harmonic\", frequency = 4 }";
+  EXPECT_EQ(notes("until = \"rest\"\nduration = 0.02\nground = { " + sine + " }\n", "moves for ever"), 1U);
+  const auto wrong = [](const std::string& ground) { return error_of(shaken("ground = { " + ground + " }\n")); };
+  EXPECT_NE(wrong("record = { step = 0.1 }").find("motion.ground.record.x: is missing"), std::string::npos);
+  EXPECT_NE(wrong("acceleration = [1, 0]").find("motion.ground.acceleration"), std::string::npos);
+  EXPECT_NE(wrong("time = { kind = \"step\" }").find("motion.ground"), std::string::npos);
+  EXPECT_NE(wrong("acceleration = [1, 0, 0], time = { kind = \"step\", follows = true }").find("follows no body"),
+            std::string::npos);
+}
+
 TEST(MotionScene, WhatFrictionHoldsRests) {
   const std::string text = slab(45, "release = \"all\"\nuntil = \"rest\"\nduration = 2\nerror = false\n");
   const RunResult result = moved(without_groups(text));

@@ -102,6 +102,13 @@ TEST(MotionStateTest, SoItIsWithCohesionThatBreaks) {
       {0.3});
 }
 
+TEST(MotionStateTest, SoItIsOnGroundThatMoves) {
+  expect_goes_on(slab("friction = 45\n",
+                      "release = \"all\"\nduration = 0.3\nstep = 0.01\nerror = false\n"
+                      "ground = { record = { step = 0.1, x = [0, -6, 0], z = [1, -1] } }\n"),
+                 20, {0.3, 0.9});
+}
+
 TEST(MotionStateTest, AStopWhileTheErrorIsSoughtKeepsTheRun) {
   const std::string text = slab("friction = 20\n", "duration = 0.2\nstep = 0.01\n");
   const auto whole = ran(text);
@@ -151,6 +158,7 @@ TEST(MotionStateTest, AnotherSceneOrADamagedStateIsRefused) {
   heavier.replace(heavier.find("2600"), 4, "2700");
   refused(heavier, state, "is of another scene");
   refused(slab("friction = 20\n", "frame = 0.03\n" + motion), state, "is of another scene");
+  refused(slab("friction = 20\n", "ground = { acceleration = [0.1, 0, 0] }\n" + motion), state, "is of another scene");
   const std::string inside{unsealed("cleave-motion-state", 2, state).value()};
   refused(slab("friction = 20\n", motion), sealed("cleave-motion-state", 2, inside.substr(0, inside.size() - 9)),
           "is cut short or damaged");

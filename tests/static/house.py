@@ -97,7 +97,6 @@ def version():
 
 # Headers that no other module, program or example includes by name, and why they are not in src.
 own_use = {
-    "cleave/dfn/laws.hpp": "part of dfn/joint_set.hpp",
     "cleave/exchange/triangulate.hpp": "part of exchange/polygons.hpp",
     "cleave/scene/toml_tree.hpp": "part of scene/table_reader.hpp",
 }
@@ -209,7 +208,7 @@ bare = {
     "field_data": 3,
     "realize": 13,  # figures of results, which are written with their unit in the name
     "scene": 11,  # costs of runs, and degrees that orientations are turned by
-    "scene2d": 26,  # bodies and their results, in the units of the solvers
+    "scene2d": 23,  # bodies and their results, in the units of the solvers
     "scene3d": 6,
     "stability": 24,  # support plans, kinds of bolts and their figures
     "stochastic": 15,  # records, which are written with their unit in the name

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cleave/dfn/laws.hpp"
+#include "cleave/dfn/joint_set.hpp"
 
 /// Drawing from Bingham's law by inversion.
 namespace cleave::dfn::detail {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cleave/dfn/laws.hpp"
+#include "cleave/dfn/joint_set.hpp"
 #include "cleave/geometry/vec3.hpp"
 
 namespace cleave::dfn::detail {

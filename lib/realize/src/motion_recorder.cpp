@@ -168,6 +168,7 @@ MotionResult MotionRecorder::close() {
   result_.potential_lost = e.start - e.potential;
   result_.kinetic = e.kinetic;
   result_.dissipated = e.friction + e.lost;
+  if (settings_.ground) result_.work_of_ground = e.ground;
   result_.energy_error = e.closing_error;
   result_.momentum_error = world_.momentum_error();
   for (std::size_t t = 0; t < cut_.size(); ++t) {

@@ -287,6 +287,11 @@ motion::WorldOptions options_of(const Scene& scene, const MotionSettings& settin
   motion::WorldOptions options{.gravity = scene.stability->loads.body.gravity(), .step = settings.step.si()};
   options.solver.accept = accepted;
   options.solver.tolerate = tolerated;
+  if (settings.ground) {
+    options.ground.mean = [ground = *settings.ground](double from, double to) { return ground.mean(from, to); };
+    options.ground.peak = metres_per_second_squared(settings.ground->largest());
+    options.ground.end = settings.ground->end();
+  }
   return options;
 }
 
@@ -419,7 +424,8 @@ Waves around(const stability::KeyGroup& group, const BlockComplex& complex, cons
 
 LetGo let_go(const Scene& scene, const Realization& made, const BlockComplex& complex, const stability::KeyGroup& group,
              const std::vector<std::uint8_t>& gone) {
-  const MotionSettings settings = scene.motion.value_or(MotionSettings{});
+  MotionSettings settings = scene.motion.value_or(MotionSettings{});
+  settings.ground.reset();
   const Waves waves = around(group, complex, gone);
   if (static_cast<std::size_t>(std::ranges::count_if(waves, [](const auto& w) { return w.has_value(); })) > most_let_go)
     return LetGo::not_tried;

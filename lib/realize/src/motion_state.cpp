@@ -58,7 +58,7 @@ constexpr std::string_view state_kind = "cleave-motion-state";
 constexpr std::uint32_t version_of_state = 2;
 constexpr StateKind kind_of_state{.run = "a run of blocks in motion",
                                   .file = motion_state_name,
-                                  .ties = "its blocks, joints, frames or when blocks are let go"};
+                                  .ties = "its blocks, joints, frames, ground or when blocks are let go"};
 
 }  // namespace
 
@@ -67,7 +67,8 @@ std::string MotionRecorder::identity() const {
   ArchiveWriter a;
   for (const topology::BlockId b : cast_.moving) a(b.value());
   for (const MotionCast::Tie& tie : cast_.ties) a(tie.bolt, tie.leaves, tie.anchored);
-  a(cast_.wave, waves_ > 0 ? settings_.duration.si() / (waves_ + 1) : 0.0, frame_, low_, high_, lowest_);
+  a(settings_.ground, cast_.wave, waves_ > 0 ? settings_.duration.si() / (waves_ + 1) : 0.0);
+  a(low_, high_, lowest_, frame_);
   return sha256_hex(a.bytes());
 }
 

@@ -161,8 +161,8 @@ Decision decide_motion(const Scene& scene) {
   if (scene.motion->release == Release::batches) which = "key blocks";
   if (scene.motion->release == Release::groups) which = "key blocks and key groups";
   if (scene.motion->release == Release::stage) which = "key blocks, stage by stage";
-  return {true, fmt::format("{} in motion, {} {:g} s", which, scene.motion->to_rest ? "to rest or" : "for",
-                            scene.motion->duration.si())};
+  return {true, fmt::format("{} in motion, {} {:g} s{}", which, scene.motion->to_rest ? "to rest or" : "for",
+                            scene.motion->duration.si(), scene.motion->ground ? "; the ground moves" : "")};
 }
 
 Decision decide(const Scene& scene, Step step) {

@@ -100,6 +100,10 @@ std::string motion_section(const scene::MotionResult& motion) {
                               display(motion.largest_bolt_force().si() / 1000, 4) + " kN");
   }
   told += fact("Potential energy lost", display(motion.potential_lost / 1000, 4) + " kJ");
+  if (motion.work_of_ground) {
+    told +=
+        fact("Work of the ground's motion", display(*motion.work_of_ground / 1000, 4) + " kJ, seen from the ground");
+  }
   told += fact("Error of the energy balance", display(motion.energy_error, 2) + " (relative)");
   if (motion.error) {
     told += fact("Distance from a run with half the step",

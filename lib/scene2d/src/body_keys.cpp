@@ -46,8 +46,6 @@ std::optional<std::vector<Vec2>> corners_of(const TableReader& table, const Toml
 
 namespace {
 
-constexpr NumberRule frequency_rule{0, true, 1e9, false, " Hz"};
-
 const KeyTable& body_rock_keys() {
   static const KeyTable keys{
       .name = "rock of bodies",
@@ -58,19 +56,6 @@ const KeyTable& body_rock_keys() {
 }
 
 }  // namespace
-
-const KeyTable& time_function_keys() {
-  static const KeyTable keys{
-      .name = "body.load.time",
-      .keys = {
-          {"kind", key::word<TimeFunction::Kind>(), required,
-           "`step`: from the start; `ramp`: rising over `duration`; `pulse`: rising and falling in a triangle over it; "
-           "`harmonic`: sine of `frequency`"},
-          {"duration", key::number(time_rule), "", "s, of ramp and pulse"},
-          {"frequency", key::number(frequency_rule), "", "Hz, of harmonic"},
-          {"follows", key::flag(), "false", "true: the load turns with the body"}}};
-  return keys;
-}
 
 std::vector<Key> side_keys() {
   return {{"side", key::whole(1, 1'000'000), "", "a side, counted from 1 in the order of the corners"},
@@ -109,32 +94,6 @@ std::vector<Key> material_keys() {
   return {{"young", key::number(young_rule), "that of `[rock]`", "Pa"},
           {"poisson", key::number(poisson_rule), "that of `[rock]`", "below 0.5"},
           {"density", key::number(body_density_rule), "that of `[rock]`", "kg/m3"}};
-}
-
-TimeFunction parse_time_function(const TableReader& load, bool& follows) {
-  TimeFunction out;
-  const auto found = load.sub("time");
-  if (!found) return out;
-  const TableReader& table = *found;
-  const auto kind = table.given_word<TimeFunction::Kind>("kind");
-  if (!table.has("kind")) table.missing("kind", "write one of: step ramp pulse harmonic");
-  out.kind = kind.value_or(TimeFunction::Kind::step);
-  const bool lasts = out.kind == TimeFunction::Kind::ramp || out.kind == TimeFunction::Kind::pulse;
-  if (lasts) {
-    out.duration = table.need_number("duration").value_or(1);
-  }
-  if (out.kind == TimeFunction::Kind::harmonic) {
-    out.frequency = table.need_number("frequency").value_or(1);
-  }
-  for (const auto& [key, used] : {std::pair{string_view{"duration"}, lasts},
-                                  std::pair{string_view{"frequency"}, out.kind == TimeFunction::Kind::harmonic}}) {
-    if (kind && !used && table.has(key)) {
-      table.error(key, fmt::format("has no meaning for kind = \"{}\"", enum_name(*kind)),
-                  "duration belongs to ramp and pulse, frequency to harmonic: remove it");
-    }
-  }
-  follows = table.boolean("follows").value_or(false);
-  return out;
 }
 
 const KeyTable& in_situ_keys() {

@@ -12,12 +12,12 @@
 #include "cleave/core/sha256.hpp"
 #include "cleave/scene/common_keys.hpp"
 #include "cleave/scene/table_reader.hpp"
+#include "cleave/scene/time_course_keys.hpp"
 #include "cleave/scene2d/bodies.hpp"
 
 /// What scenes of bodies and scenes of contact read alike.
 namespace cleave::scene {
 
-inline constexpr NumberRule time_rule{0, true, 1e12, false, " s"};
 inline constexpr NumberRule poisson_rule{-1, true, 0.5, true, ""};
 inline constexpr NumberRule young_rule = NumberRule{0, true, 1e15, false, " Pa"}.usually(1e5, 1e13);
 inline constexpr NumberRule pressure_rule{-1e18, false, 1e18, false, " Pa"};
@@ -48,10 +48,6 @@ inline constexpr std::array<std::string_view, 1> all_sides{"all"};
 /// [[x, y], [x, y], ...], at least two.
 [[nodiscard]] std::optional<std::vector<bem::Vec2>> corners_of(const TableReader& table, const TomlNode& node,
                                                                const std::string& path);
-/// Of such a `time`.
-[[nodiscard]] const KeyTable& time_function_keys();
-/// `time = { kind, duration, frequency, follows }` of a load; a constant when absent.
-[[nodiscard]] TimeFunction parse_time_function(const TableReader& load, bool& follows);
 
 /// Stress before loading: `{ stress, level, gradient }`.
 [[nodiscard]] const KeyTable& in_situ_keys();

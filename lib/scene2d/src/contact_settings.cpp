@@ -101,14 +101,10 @@ std::string nearest_body(const std::vector<ContactBody>& bodies, Vec2 at, const 
 
 namespace {
 
-const KeyTable& record_keys() {
-  static const KeyTable keys{
-      .name = "contact.ground.record",
-      .keys = {{"step", key::number(time_rule), required, "s between two values; straight lines between them"},
-               {"x", key::array(key::number(rule::acceleration), 0, 1'000'000), "[]",
-                "m/s2 to the right, the first at 0 s; 0 after the last"},
-               {"y", key::array(key::number(rule::acceleration), 0, 1'000'000), "[]", "m/s2 upwards, likewise"},
-               {"scale", key::number({-1e6, false, 1e6, false, ""}), "1", "times the values"}}};
+const KeyTable& ground_record_keys() {
+  static const KeyTable keys{.name = "contact.ground.record",
+                             .keys = record_keys({{"x", "m/s2 to the right, the first at 0 s; 0 after the last"},
+                                                  {"y", "m/s2 upwards, likewise"}})};
   return keys;
 }
 
@@ -118,21 +114,9 @@ const KeyTable& ground_keys() {
       .keys = {{"acceleration", key::pair(rule::acceleration), "", "`[x, y]` in m/s2, times `time`"},
                {"time", key::table(&time_function_keys), "constant",
                 "as of a load: `step`, `ramp`, `pulse` or `harmonic`"},
-               {"record", key::table(&record_keys), "", "`{ step, x, y, scale }`: an accelerogram"}},
+               {"record", key::table(&ground_record_keys), "", "`{ step, x, y, scale }`: an accelerogram"}},
       .one_of = {{"acceleration", "record"}}};
   return keys;
-}
-
-void parse_record(const TableReader& table, GroundMotion& ground) {
-  ground.step = Time::from_si(table.need_number("step").value_or(1));
-  const std::vector<double> x = table.numbers("x").value_or(std::vector<double>{});
-  const std::vector<double> y = table.numbers("y").value_or(std::vector<double>{});
-  if (!table.has("x") && !table.has("y")) table.missing("x", "write the accelerations: x = [0, 0.5, ...]");
-  const double scale = table.value("scale");
-  ground.amplitude = {scale, scale};
-  ground.record.resize(std::max<std::size_t>({x.size(), y.size(), 1}));
-  for (std::size_t k = 0; k < x.size(); ++k) ground.record[k].x = x[k];
-  for (std::size_t k = 0; k < y.size(); ++k) ground.record[k].y = y[k];
 }
 
 void parse_ground(const TableReader& contact, ContactScene& scene) {
@@ -140,16 +124,6 @@ void parse_ground(const TableReader& contact, ContactScene& scene) {
   if (!found) return;
   const TableReader& table = *found;
   if (table.one_of() == nullptr) return;
-  GroundMotion ground;
-  if (const auto record = table.sub("record")) {
-    if (table.has("time")) table.error("time", "stands beside record", "a record has its own times: remove this key");
-    parse_record(*record, ground);
-  } else {
-    ground.amplitude = pair(table, "acceleration").value_or(Vec2{});
-    bool follows = false;
-    ground.time = parse_time_function(table, follows);
-    if (follows) table.error("time", "follows no body", "remove follows");
-  }
   if (scene.settings.to_rest) {
     contact.error("ground", "moves, but static = true knows no time", "remove ground, or static = true");
   }
@@ -157,7 +131,7 @@ void parse_ground(const TableReader& contact, ContactScene& scene) {
     contact.error("ground", "moves, but a body with `support` vibrates about a ground at rest",
                   "make that body fixed, or let it rest on a fixed one");
   }
-  scene.settings.ground = std::move(ground);
+  scene.settings.ground = parse_course(table, pair(table, "acceleration").value_or(Vec2{}));
 }
 
 }  // namespace
@@ -169,7 +143,7 @@ const KeyTable& support_motion_keys() {
                {"acceleration", key::pair(rule::acceleration), "", "`[x, y]` in m/s2, times `time`; from rest"},
                {"time", key::table(&time_function_keys), "constant",
                 "as of a load: `step`, `ramp`, `pulse` or `harmonic`"},
-               {"record", key::table(&record_keys), "", "`{ step, x, y, scale }`: an accelerogram, from rest"}},
+               {"record", key::table(&ground_record_keys), "", "`{ step, x, y, scale }`: an accelerogram, from rest"}},
       .one_of = {{"velocity", "acceleration", "record"}}};
   return keys;
 }
@@ -180,17 +154,8 @@ void parse_support_motion(const TableReader& body, ContactBody& spec) {
   const TableReader& table = *found;
   const TomlEntry* kind = table.one_of();
   if (kind == nullptr) return;
-  SupportMotion motion;
-  if (const auto record = table.sub("record")) {
-    if (table.has("time")) table.error("time", "stands beside record", "a record has its own times: remove this key");
-    parse_record(*record, motion.course);
-  } else {
-    motion.is_velocity = kind->key == "velocity";
-    motion.course.amplitude = pair(table, kind->key).value_or(Vec2{});
-    bool follows = false;
-    motion.course.time = parse_time_function(table, follows);
-    if (follows) table.error("time", "follows no body", "remove follows");
-  }
+  SupportMotion motion{.course = {}, .is_velocity = kind->key == "velocity"};
+  motion.course = parse_course(table, kind->key == "record" ? Vec2{} : pair(table, kind->key).value_or(Vec2{}));
   if (!spec.fixed)
     body.error("motion", "is that of a fixed body", "write fixed = true, or give it a velocity or a load");
   spec.motion = std::move(motion);
@@ -264,7 +229,7 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
     Box2 box;
     for (const Vec2 p : body.corners) box.add(p);
     const double size = norm(box.high - box.low);
-    for (const ContactLoad& load : body.loads) load_time = std::min(load_time, load.time.fastest());
+    for (const ContactLoad& load : body.loads) load_time = std::min(load_time, load.time.fastest().si());
     smallest = std::min(smallest, size);
     fastest = std::max(fastest, norm(body.velocity) + std::abs(body.spin) * size / 2);
   }

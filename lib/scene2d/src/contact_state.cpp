@@ -58,20 +58,12 @@ void archive(A& a, Archived<ContactResult> auto& r) {
 
 // What stays, beside what the world itself is known by.
 template <class A>
-void archive(A& a, const TimeFunction& t) {
-  a(static_cast<std::uint8_t>(t.kind), t.duration, t.frequency);
-}
-template <class A>
 void archive(A& a, const ContactLoad& l) {
   a(l.time);
 }
 template <class A>
 void archive(A& a, const PointSpec& p) {
   a(p.name, p.at, p.body);
-}
-template <class A>
-void archive(A& a, const GroundMotion& g) {
-  a(g.amplitude, g.time, g.record, g.step.si());
 }
 template <class A>
 void archive(A& a, const SupportMotion& m) {

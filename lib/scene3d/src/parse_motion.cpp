@@ -1,6 +1,10 @@
+#include <fmt/format.h>
+
 #include <array>
+#include <cmath>
 #include <string_view>
 
+#include "cleave/scene/time_course_keys.hpp"
 #include "cleave/scene3d/key_tables.hpp"
 #include "context.hpp"
 
@@ -10,6 +14,49 @@ namespace {
 constexpr NumberRule duration_rule{0, true, 1e4, false, " s"};
 constexpr NumberRule step_rule{1e-6, false, 1, false, " s"};
 constexpr std::array<std::string_view, 1> until_rest{"rest"};
+
+const KeyTable& moving_ground_record_keys() {
+  static const KeyTable keys{.name = "motion.ground.record",
+                             .keys = record_keys({{"x", "m/s2 along x, the first at 0 s; 0 after the last"},
+                                                  {"y", "m/s2 along y, likewise"},
+                                                  {"z", "m/s2 upwards, likewise"}})};
+  return keys;
+}
+
+const KeyTable& moving_ground_keys() {
+  static const KeyTable keys{
+      .name = "motion.ground",
+      .keys = {{"acceleration", key::vector(rule::acceleration), "", "`[x, y, z]` in m/s2, times `time`"},
+               {"time", key::table(&time_function_keys), "constant", "`step`, `ramp`, `pulse` or `harmonic`"},
+               {"record", key::table(&moving_ground_record_keys), "", "`{ step, x, y, z, scale }`: an accelerogram"}},
+      .one_of = {{"acceleration", "record"}}};
+  return keys;
+}
+
+/// [motion.ground], and notes where the run does not see all of it.
+void parse_moving_ground(const TableReader& motion, MotionSettings& settings) {
+  const auto found = motion.sub("ground");
+  if (!found || found->one_of() == nullptr) return;
+  settings.ground = parse_course(*found, found->vec3("acceleration").value_or(geometry::Vec3{}));
+  const TimeCourse<geometry::Vec3>& ground = *settings.ground;
+  const Time changes = ground.fastest(), end = ground.end();
+  if (settings.step > 0.2 * changes) {
+    motion.note("step",
+                fmt::format("is {:g} s, long for ground that moves within {:.3g} s: only its mean over each step acts",
+                            settings.step.si(), changes.si()),
+                fmt::format("set motion.step = {:.2g}", changes.si() / 20));
+  }
+  if (std::isfinite(end.si()) && settings.duration < end) {
+    motion.note("duration",
+                fmt::format("is {:g} s, and the ground moves for {:g} s: the rest of that is left out",
+                            settings.duration.si(), end.si()),
+                fmt::format("set motion.duration = {:g} or more", end.si()));
+  }
+  if (settings.to_rest && !std::isfinite(end.si())) {
+    motion.note("until", "is \"rest\", but the ground moves for ever: nothing comes to rest before `duration`",
+                "remove until, or give the ground a pulse or a record");
+  }
+}
 
 }  // namespace
 
@@ -32,6 +79,8 @@ const KeyTable& motion_keys() {
           {"support", key::flag(), "true",
            "the bolts of `[support]` hold what they tie, along their axes, until they break; false: blocks move "
            "without"},
+          {"ground", key::table(&moving_ground_keys), "at rest",
+           "motion of all that is fixed: `{ acceleration, time }` or `{ record }`, see below"},
           {"error", key::flag(), "true", "runs again with half the step and says how far apart the two runs are"}}};
   return keys;
 }
@@ -52,6 +101,7 @@ std::optional<MotionSettings> parse_motion(const TableReader& root, const std::o
   settings.surface_friction = FrictionAngle::degrees(table.value("surface_friction"));
   settings.support = table.flag("support");
   settings.error = table.flag("error");
+  parse_moving_ground(table, settings);
   if (!stability && root.problems().errors() == 0) {
     root.error("motion", "lets blocks go, but nothing is free", "add an excavation or stability.free");
   }

@@ -74,8 +74,9 @@ struct MotionResult {
   Length penetration = {};
   double overlap = 0;  ///< over the size of the smaller block
   double potential_lost = 0, kinetic = 0, dissipated = 0, energy_error = 0, momentum_error = 0;
-  std::optional<Length> error = {};     ///< estimate: distance from a run with half the step
-  std::optional<Time> determined = {};  ///< until then; chaotic impacts part the two runs after it
+  std::optional<double> work_of_ground = {};  ///< empty: the ground is at rest
+  std::optional<Length> error = {};           ///< estimate: distance from a run with half the step
+  std::optional<Time> determined = {};        ///< until then; chaotic impacts part the two runs after it
   std::vector<MotionBlock> blocks = {};
   std::vector<MotionBolt> bolts = {};  ///< that act; by number
   bool supported = false;              ///< the scene has bolts, and they are asked for
@@ -118,6 +119,8 @@ void fields(V& v, const MotionResult& x) {
       w("potential_lost", x.potential_lost, "J");
       w("kinetic", x.kinetic, "J, at the end");
       w("dissipated", x.dissipated, "J, by friction, impacts, bolts that yield and the scheme");
+      w("work_of_ground", when(x.work_of_ground.has_value(), x.work_of_ground),
+        "J, on the blocks as seen from the ground; absent where it is at rest");
       w("relative_error", x.energy_error, "of the balance, over its largest term");
     }));
   v("bolts", when(x.supported, group([&](auto& w) {

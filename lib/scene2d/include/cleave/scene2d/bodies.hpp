@@ -18,23 +18,13 @@
 #include "cleave/scene/output.hpp"
 #include "cleave/scene/plan.hpp"
 #include "cleave/scene/problem.hpp"
+#include "cleave/scene/time_course.hpp"
 
 /// Scenes of plane elastic bodies: [[body]] instead of [domain]. x to the right, y up, metres; forces per metre of
 /// thickness.
 namespace cleave::scene {
 
 struct KeyTable;
-
-/// Factor of a load against time.
-struct TimeFunction {
-  enum class Kind : std::uint8_t { step, ramp, pulse, harmonic };
-  Kind kind = Kind::step;
-  double duration = 0;   ///< s: ramp to 1, triangular pulse to 1 and back
-  double frequency = 0;  ///< Hz: sine
-  [[nodiscard]] double operator()(double t) const;
-  [[nodiscard]] double mean(double from, double to) const;  ///< exact; from < to
-  [[nodiscard]] double fastest() const;                     ///< s in which it changes; infinite: it does not
-};
 
 struct BodyLoadSpec {
   std::vector<std::size_t> sides;  ///< of all loops, counted on; empty: a point force

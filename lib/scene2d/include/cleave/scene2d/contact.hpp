@@ -29,8 +29,6 @@ namespace cleave::scene {
 
 /// Pa/m, which is N/m3.
 using JointStiffness = UnitWeight;
-/// 1/s.
-using Rate = Quantity<0, 0, -1>;
 
 /// Strength of a contact between two sides; [joints.NAME] of the scene.
 struct ContactJoint {
@@ -62,16 +60,7 @@ struct ContactLoad {
 };
 
 /// Motion of the ground, which is what is fixed: an acceleration (m/s2) over time.
-struct GroundMotion {
-  bem::Vec2 amplitude{1, 1};  ///< of `time`, or of the record
-  TimeFunction time;
-  /// Accelerations at equal steps from 0 on, lines between them, nothing after the last; empty: `time`.
-  std::vector<bem::Vec2> record;
-  Time step;  ///< of the record
-  [[nodiscard]] bem::Vec2 at(double t) const;
-  [[nodiscard]] bem::Vec2 mean(double from, double to) const;  ///< exact; from < to
-  [[nodiscard]] Time fastest() const;                          ///< in which it changes; infinite: it does not
-};
+using GroundMotion = TimeCourse<bem::Vec2>;
 /// Motion of one fixed body: a velocity over time, or an acceleration from rest.
 struct SupportMotion {
   GroundMotion course;

@@ -19,6 +19,7 @@
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/scene/output.hpp"
 #include "cleave/scene/problem.hpp"
+#include "cleave/scene/time_course.hpp"
 #include "cleave/stability/actions.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/stability/key_groups.hpp"
@@ -270,6 +271,7 @@ struct MotionSettings {
   double restitution = 0;
   FrictionAngle surface_friction = FrictionAngle::degrees(35);  ///< of faces that are no joints
   bool support = true;                                          ///< bolts of [support] hold what they tie
+  std::optional<TimeCourse<geometry::Vec3>> ground = {};        ///< m/s2, of all that is fixed; empty: at rest
   bool error = true;                                            ///< a second run with half the step
   std::uint32_t line = 1;                                       ///< in the scene file
 };
