@@ -327,7 +327,7 @@ TEST(KeyGroupsScene, WhatIsInDoubtIsLetGo) {
   // On ground at rest, whatever [motion] does to it afterwards.
   const RunResult shaken = run_of(active_and_passive(26) +
                                   "[motion]\nduration = 0.01\nerror = false\n"
-                                  "ground = { acceleration = [-5, 0, 0] }\n");
+                                  "ground = { acceleration = [5, 0, 0] }\n");
   ASSERT_EQ(shaken.let_go.size(), 1U);
   EXPECT_EQ(shaken.let_go[0], LetGo::stayed);
   for (const bool quake : {false, true}) {

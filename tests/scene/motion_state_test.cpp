@@ -138,6 +138,24 @@ TEST(MotionStateTest, ALongerRunGoesOnFromAShorterOne) {
   EXPECT_EQ(back.error().front().key, "motion.duration");
 }
 
+/// 64 times one push, early or late.
+std::string pushes(bool late) {
+  std::string values;
+  for (int k = 0; k <= 256; ++k) values += k % 4 == (late ? 3 : 1) ? "0.5, " : "0, ";
+  return "ground = { record = { step = 0.0005, x = [" + values + "] } }\n";
+}
+
+TEST(MotionStateTest, OtherGroundIsRefusedWhateverItsMeansAre) {
+  const std::string motion = "duration = 0.1\nstep = 0.01\nerror = false\n";
+  const auto early = ran(slab("friction = 20\n", pushes(false) + motion), until(3));
+  ASSERT_TRUE(early.has_value());
+  EXPECT_TRUE(ran(slab("friction = 20\n", pushes(false) + motion), {.from = SavedRun{"half", early->motion->state}}));
+  const auto late =
+      ran(slab("friction = 20\n", pushes(true) + motion), {.from = SavedRun{"half", early->motion->state}});
+  ASSERT_FALSE(late.has_value());
+  EXPECT_NE(describe(late.error().front()).find("is of another scene"), std::string::npos);
+}
+
 TEST(MotionStateTest, AnotherSceneOrADamagedStateIsRefused) {
   const std::string motion = "duration = 0.1\nstep = 0.01\nerror = false\n";
   const auto one = ran(slab("friction = 20\n", motion), until(3));
