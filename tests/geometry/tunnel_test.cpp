@@ -220,6 +220,33 @@ TEST(TunnelTest, ADeclineThatWindsKeepsItsFloorLevelAcross) {
   EXPECT_EQ(plan->faces().size(), 10U);
 }
 
+// Quads that are twisted are parted along a diagonal: which one must not tell left from right.
+TEST(TunnelTest, TheMirrorImageOfATunnelIsTheTunnelOfTheMirrorImage) {
+  const std::vector<Vec3> axis{{0, 0, 0}, {2, 9, 0}, {0, 20, 2}, {-9, 30, 1}};
+  std::vector<Vec3> mirrored = axis;
+  for (Vec3& p : mirrored) p.x = -p.x;
+  for (const Section& section : {Section{HorseshoeSection{metres(5), metres(5)}}, Section{CircleSection{metres(3)}}}) {
+    const auto one = make_tunnel(section, axis), other = make_tunnel(section, mirrored);
+    ASSERT_TRUE(one.has_value() && other.has_value());
+    ASSERT_EQ(one->faces().size(), other->faces().size());
+    std::size_t triangles = 0;
+    const auto centroid = [](const Solid& solid, const SolidFace& face) {
+      Vec3 sum{};
+      for (const std::uint32_t v : face.corners) sum += solid.vertices()[v];
+      return sum / static_cast<double>(face.corners.size());
+    };
+    for (const SolidFace& f : one->faces()) {
+      triangles += f.corners.size() == 3 ? 1U : 0U;
+      Vec3 c = centroid(*one, f);
+      c.x = -c.x;
+      EXPECT_TRUE(std::ranges::any_of(other->faces(), [&](const SolidFace& g) {
+        return g.corners.size() == f.corners.size() && norm(centroid(*other, g) - c) < 1e-8;
+      }));
+    }
+    EXPECT_GT(triangles, 40U);
+  }
+}
+
 TEST(TunnelTest, SegmentsAlongUpKeepTheSectionOfTheOneBefore) {
   const auto frames = section_frames({{0, 0, 0}, {0, 9, 0}, {0, 9, 9}, {0, 18, 9}, {0, 27, 18}}, {0, 0, 2});
   ASSERT_EQ(frames.size(), 4U);

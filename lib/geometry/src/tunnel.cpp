@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -91,11 +92,13 @@ std::expected<std::vector<double>, TunnelError> turns_of(const Axis& axis, const
   return turns;
 }
 
-/// Rings of corners along the axis, not yet rounded, and of the piece behind each but the first whether its ends are
-/// turned against each other.
+/// How the ends of a piece of a tunnel are turned against each other.
+enum class Twist : std::uint8_t { none, left, right };
+
+/// Rings of corners along the axis, not yet rounded, and the twist of the piece behind each but the first.
 struct Sweep {
   std::vector<Ring> rings;
-  std::vector<bool> twisted;
+  std::vector<Twist> twists;
 };
 
 /// Each ring is the one before moved along to the next mitre plane.
@@ -118,7 +121,7 @@ std::expected<Sweep, TunnelError> sweep(const Axis& axis, const SectionOutline& 
       next.push_back(p + way * along);
     }
     out.rings.push_back(std::move(next));
-    out.twisted.push_back(false);
+    out.twists.push_back(Twist::none);
   }
   return out;
 }
@@ -145,9 +148,13 @@ std::expected<Sweep, TunnelError> turned_sweep(const Axis& axis, const SectionOu
   for (const auto& [u, v] : outline.corners) reach = std::max(reach, std::hypot(u, v));
   Sweep out;
   out.rings.push_back(ring_at(axis, outline, frames[0], 0, 0));
-  const auto piece = [&](Ring ring, bool twisted) {
+  const auto piece = [&](Ring ring, Twist twist) {
     out.rings.push_back(std::move(ring));
-    out.twisted.push_back(twisted);
+    out.twists.push_back(twist);
+  };
+  const auto twist_at = [&](std::size_t point) {
+    if (!(std::abs(turns[point]) > no_turn)) return Twist::none;
+    return turns[point] < 0 ? Twist::left : Twist::right;
   };
   for (std::size_t s = 0; s < axis.along.size(); ++s) {
     Ring from = ring_at(axis, outline, frames[s], s, s), to = ring_at(axis, outline, frames[s], s, s + 1);
@@ -157,12 +164,12 @@ std::expected<Sweep, TunnelError> turned_sweep(const Axis& axis, const SectionOu
     }
     if (!(shortest > 1e-9)) return std::unexpected(BendTooSharp{axis.given[s + 1]});
     const Vec3 room = std::min(reach / 2, shortest / 4) * axis.along[s];
-    if (std::abs(turns[s]) > no_turn) {
+    if (twist_at(s) != Twist::none) {
       for (Vec3& p : from) p += room;
-      piece(std::move(from), true);
+      piece(std::move(from), twist_at(s));
     }
-    if (!(std::abs(turns[s + 1]) > no_turn)) {
-      piece(std::move(to), false);
+    if (twist_at(s + 1) == Twist::none) {
+      piece(std::move(to), Twist::none);
       continue;
     }
     Ring mean = ring_at(axis, outline, frames[s + 1], s + 1, s + 1);
@@ -170,8 +177,8 @@ std::expected<Sweep, TunnelError> turned_sweep(const Axis& axis, const SectionOu
       mean[i] = 0.5 * (mean[i] + to[i]);
       to[i] = to[i] - room;
     }
-    piece(std::move(to), false);
-    piece(std::move(mean), true);
+    piece(std::move(to), Twist::none);
+    piece(std::move(mean), twist_at(s + 1));
   }
   return out;
 }
@@ -192,18 +199,20 @@ std::vector<Vec3> vertices_of(const std::vector<Ring>& rings, const Axis& axis) 
   return vertices;
 }
 
-std::vector<SolidFace> faces_of(const SectionOutline& outline, const std::vector<bool>& twisted) {
+std::vector<SolidFace> faces_of(const SectionOutline& outline, const std::vector<Twist>& twists) {
   const auto n = static_cast<std::uint32_t>(outline.corners.size());
-  const auto segments = static_cast<std::uint32_t>(twisted.size());
+  const auto segments = static_cast<std::uint32_t>(twists.size());
   std::vector<SolidFace> faces;
   for (std::uint32_t s = 0; s < segments; ++s) {
     for (std::uint32_t i = 0; i < n; ++i) {
       const std::uint32_t j = (i + 1) % n;
       const std::uint32_t a = s * n + j, b = s * n + i, c = (s + 1) * n + i, d = (s + 1) * n + j;
-      if (twisted[s]) {  // behind the bend along the other diagonal: what one side adds the other takes away
-        const bool behind = s > 0 && twisted[s - 1];
-        faces.push_back({{a, b, behind ? d : c}, outline.tags[i]});
-        faces.push_back({{behind ? b : a, c, d}, outline.tags[i]});
+      if (twists[s] != Twist::none) {
+        // Behind the bend along the other diagonal: what one side adds the other takes away. The image of a tunnel in a
+        // mirror is twisted the other way, and has the images of its triangles.
+        const bool behind = s > 0 && twists[s - 1] != Twist::none, other = behind != (twists[s] == Twist::left);
+        faces.push_back({{a, b, other ? d : c}, outline.tags[i]});
+        faces.push_back({{other ? b : a, c, d}, outline.tags[i]});
         continue;
       }
       faces.push_back({{a, b, c, d}, outline.tags[i]});
@@ -256,7 +265,7 @@ std::expected<Solid, TunnelError> make_tunnel(const Section& section, const std:
   CLEAVE_TRY(const std::vector<double> turns, turns_of(path, frames));
   const bool turned = std::ranges::any_of(turns, [](double turn) { return std::abs(turn) > no_turn; });
   CLEAVE_TRY(const Sweep way, turned ? turned_sweep(path, outline, frames, turns) : sweep(path, outline, frames[0]));
-  auto solid = Solid::make(vertices_of(way.rings, path), faces_of(outline, way.twisted),
+  auto solid = Solid::make(vertices_of(way.rings, path), faces_of(outline, way.twists),
                            {"wall", "floor", "crown", "start", "end"});
   if (!solid) return std::unexpected(TunnelNotSolid{solid.error()});
   return *std::move(solid);
