@@ -132,6 +132,23 @@ TEST(SceneTest, DirectionsBeyond360NeedAWord) {
   EXPECT_EQ(plane_of(scene, 0).normal, plane_of(same, 0).normal);
 }
 
+// A compass 2.5 degrees west of true north reads that much less; over north it goes round.
+TEST(SceneTest, DirectionsFromMagneticNorthAreTurned) {
+  const Files files{{"j.csv", "dip,dip_direction,x,y,z\n45,79.5,1,1,1\n45,359,2,2,2\n"},
+                    {"j.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"}};
+  const Scene scene = scene_of(with_box("[[joint]]\nfile = \"j.csv\"\ndeclination = 2.5\n"), files);
+  const Scene same =
+      scene_of(with_box("[[joint]]\nplane = { through = [1, 1, 1], dip = 45, dip_direction = 82 }\n"
+                        "[[joint]]\nplane = { through = [2, 2, 2], dip = 45, dip_direction = 1.5 }\n"));
+  EXPECT_EQ(plane_of(scene, 0).normal, plane_of(same, 0).normal);
+  EXPECT_EQ(plane_of(scene, 1).normal, plane_of(same, 1).normal);
+  const std::string wrong = error_of(with_box("[[joint]]\nfile = \"j.obj\"\ndeclination = 2.5\n"), files);
+  EXPECT_NE(wrong.find("joint[1].declination: has a meaning for CSV files only"), std::string::npos) << wrong;
+  const std::string plane =
+      error_of(with_box("[[joint]]\nplane = { through = [1, 1, 1], dip = 45, dip_direction = 82 }\ndeclination = 2\n"));
+  EXPECT_NE(plane.find("declination: has a meaning for files only"), std::string::npos) << plane;
+}
+
 TEST(SceneTest, MeshesMustBeClosedAndOutwards) {
   const std::string good = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
   EXPECT_NEAR(scene_of("[domain]\nmesh = \"d.obj\"\n", {{"d.obj", good}}).domain.volume().si(), 1.0 / 6, 1e-15);

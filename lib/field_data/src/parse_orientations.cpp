@@ -19,8 +19,6 @@ namespace {
 using geometry::Vec3;
 using std::string_view;
 
-constexpr NumberRule declination_rule{-180, false, 180, false, " degrees"};
-
 const KeyTable& line_direction_keys() {
   static const KeyTable keys{.name = "orientations.line",
                              .keys = {{"trend", key::number(trend_rule), required, "degrees"},
@@ -186,13 +184,6 @@ class OrientationsParser final {
 };
 
 }  // namespace
-
-Key declination_key() {
-  return {
-      "declination", key::number(declination_rule), "0",
-      "degrees, added to all trends, strikes and dip directions of the file: of compasses that show magnetic north, "
-      "positive to the east"};
-}
 
 Key core_reference_key() {
   return {

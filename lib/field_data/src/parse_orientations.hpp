@@ -16,7 +16,6 @@ inline constexpr NumberRule trend_rule{0, false, 360, false, " degrees"};
 inline constexpr NumberRule plunge_rule{-90, false, 90, false, " degrees"};
 
 [[nodiscard]] const KeyTable& orientations_keys();
-[[nodiscard]] Key declination_key();
 [[nodiscard]] Key core_reference_key();
 /// The core of a line by its key `reference`; a vertical hole without an azimuth is reported.
 [[nodiscard]] std::optional<Core> parse_core(InputContext& context, const TableReader& table, geometry::Vec3 line);

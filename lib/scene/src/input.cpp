@@ -29,6 +29,14 @@ DipDirection InputContext::turned(double dip_direction) const {
   return DipDirection::degrees(sum < 0 ? sum + 360.0 : sum);
 }
 
+Key declination_key() {
+  static constexpr NumberRule rule{-180, false, 180, false, " degrees"};
+  return {
+      "declination", key::number(rule), "0",
+      "degrees, added to all trends, strikes and dip directions of the file: of compasses that show magnetic north, "
+      "positive to the east"};
+}
+
 std::string file_name_of(const std::string& shown) {
   const std::size_t slash = shown.find_last_of('/');
   return slash == std::string::npos ? shown : shown.substr(slash + 1);

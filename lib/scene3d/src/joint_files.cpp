@@ -132,8 +132,9 @@ std::expected<Geometry, std::string> geometry_of(const io::JointRow& row, const 
       row.size);
 }
 
+/// `declination`: degrees.
 void add_rows(Context& context, const io::JointTable& table, const std::string& shown,
-              const std::optional<std::string>& set, std::vector<MeasuredJoint>& joints) {
+              const std::optional<std::string>& set, double declination, std::vector<MeasuredJoint>& joints) {
   const auto other = [&](const io::JointRow& row) { return set && !row.set.empty() && row.set != *set; };
   if (const auto row = std::ranges::find_if(table.rows, other); row != table.rows.end()) {
     context.problems.note_in(
@@ -142,7 +143,7 @@ void add_rows(Context& context, const io::JointTable& table, const std::string& 
         "remove set from the joint to take the sets of the rows");
   }
   for (const io::JointRow& row : table.rows) {
-    const geometry::Attitude attitude{row.plane.dip, context.turned(row.plane.direction.degrees())};
+    const geometry::Attitude attitude{row.plane.dip, context.turned(row.plane.direction.degrees() + declination)};
     const geometry::Vec3 at = *row.position;
     const bool near = std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)}) <= rule::coordinate.high;
     auto shape = near ? geometry_of(row, attitude)
@@ -215,10 +216,11 @@ void parse_joint_file(Context& context, const TableReader& joint, const std::opt
     for (const std::string& note : table->notes) context.problems.note_in(loaded->shown, 1, "header", note, "");
     note_unusual_strengths(context.problems, *table, loaded->shown);
     if (joint.has("surface")) joint.error("surface", "has a meaning for meshes only", "remove it");
-    add_rows(context, *table, loaded->shown, set, joints);
+    add_rows(context, *table, loaded->shown, set, joint.value("declination"), joints);
     return;
   }
   if (wrap) joint.error("wrap", "has a meaning for CSV files only", "remove it");
+  if (joint.has("declination")) joint.error("declination", "has a meaning for CSV files only", "remove it");
   if (is_surfaces(extension)) {
     const auto surfaces = surfaces_of(context, *loaded);
     if (!surfaces) return;

@@ -184,6 +184,7 @@ const KeyTable& joint_keys() {
            {"surface", key::flag(), "true of `.stl`, `.ply`",
             "of mesh files: true makes the whole mesh one joint, false each face a joint of its own"},
            {"wrap", key::flag(), "false", "of CSV files: accept dips and directions outside 0..90 and 0..360"},
+           declination_key(),
            {"friction", key::number(rule::friction), "that of its set",
             "degrees, of this joint alone (not of files: there it is a column)"},
            {"cohesion", key::number(rule::strength), "that of its set", "Pa, of this joint alone"},
@@ -217,7 +218,7 @@ void parse_joints(Context& context, const TableReader& root, std::vector<Measure
     const auto ends_on = joint.texts("terminates_at").value_or(std::vector<std::string>{});
     const TomlEntry* kind = joint.one_of();
     if (kind == nullptr) continue;
-    for (const string_view key : {"wrap", "surface"}) {
+    for (const string_view key : {"wrap", "declination", "surface"}) {
       if (joint.has(key) && kind->key != "file") joint.error(key, "has a meaning for files only", "remove it");
     }
     if (joint.has("holes") && kind->key != "polygon") {

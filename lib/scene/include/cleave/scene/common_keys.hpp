@@ -25,6 +25,9 @@ struct InputContext {
   [[nodiscard]] DipDirection turned(double dip_direction) const;
 };
 
+/// Of files of measured directions.
+[[nodiscard]] Key declination_key();
+
 [[nodiscard]] const KeyTable& project_keys();
 [[nodiscard]] Project parse_project(const TableReader& root);
 [[nodiscard]] const KeyTable& output_keys();
