@@ -64,7 +64,10 @@ TEST(UnusualInputs, WhatMeansAnotherThingThanItSaysIsSaid) {
   EXPECT_EQ(with("[[load]]\nname = \"wet\"\nwater = { table = -5 }\n").size(), 1U);
   EXPECT_EQ(with("water = { table = 2 }\n"), Said{});
   // A table counts against gravity, wherever that points.
-  EXPECT_EQ(with("gravity = [0, 0, 9.81]\nwater = { table = -5 }\n"), Said{});
+  const std::string upwards =
+      "stability.gravity points upwards, as z does: what is taken out of a roof would fall upwards";
+  EXPECT_EQ(with("gravity = [0, 0, 9.81]\nwater = { table = -5 }\n"), Said{upwards});
+  EXPECT_EQ(with("gravity = [0.5, 0, -9.8]\n"), Said{});
   EXPECT_EQ(with("surcharge = [{ on = \"top\", pressure = -20e3 }]\n"),
             (Said{"stability.surcharge[1].pressure is below 0: it pulls at the rock"}));
   EXPECT_EQ(with("target = { falling = 0.5 }\n"),
@@ -100,6 +103,34 @@ TEST(UnusualInputs, ShotcreteAndStressOfOtherConventions) {
             (Said{"field_stress.stress pulls: normal stresses above 0 are tension"}));
   EXPECT_EQ(texts(joints_and_rock + "poisson = 0.25\n" + strength + tunnel + stress + "[-5e6, -5e6, -5e6, 0, 0, 0]\n"),
             Said{});
+}
+
+TEST(UnusualInputs, PatternsAndLawsThatHoldNothing) {
+  const auto with = [](const std::string& bolts) {
+    return texts(joints_and_rock + strength +
+                 "[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\nsection = { shape = \"circle\", diameter = 2 }\n"
+                 "axis = [[4, 0, 3], [4, 8, 3]]\n[support]\n[[support.bolts]]\ntunnel = \"t\"\n"
+                 "tendon_capacity = 200e3\nplate_capacity = 100e3\nbond_strength = 200e3\n" +
+                 bolts);
+  };
+  EXPECT_EQ(with("spacing = [1.5, 1.5]\nlength = 4\nanchorage = 0.5\n"), Said{});
+  EXPECT_EQ(with("spacing = [1500, 1500]\nlength = 4\nanchorage = 0.5\n"),
+            (Said{"support.bolts[1].spacing is 1500 m, which is far from usual (0.1 to 50)"}));
+  EXPECT_EQ(with("spacing = [1.5, 1.5]\nlength = 4\nanchorage = 4\n"),
+            (Said{"support.bolts[1].anchorage is 4 m, and the bolt is 4 m long: no bolt is gripped so, and none holds "
+                  "anything"}));
+  const auto set = [](const std::string& size, const std::string& kappa) {
+    return texts(
+        "[[joint_set]]\nname = \"S\"\norientation = { dip = 40, dip_direction = 30, distribution = "
+        "\"fisher\", kappa = " +
+        kappa + " }\nshape = \"disc\"\nsize = { distribution = \"lognormal\", " + size +
+        " }\nintensity = { p32 = 0.1 }\n[rock]\ndensity = 2700\n" + strength + "[stability]\nfree = [\"top\"]\n");
+  };
+  EXPECT_EQ(set("mean = 3, std = 1, min = 2, max = 5", "20"), Said{});
+  const std::string tail = ".size.mean is 1.5 m, outside of min..max: no more than a tail of the law is drawn";
+  EXPECT_EQ(set("mean = 1.5, std = 1, min = 2, max = 5", "20"), Said{"joint_set[1]" + tail});
+  EXPECT_EQ(set("mean = 1.5, std = 1, min = 0.1, max = 1.4", "20"), Said{"joint_set[1]" + tail});
+  EXPECT_EQ(set("mean = 3, std = 1, min = 2, max = 5", "0.6").size(), 1U);
 }
 
 TEST(UnusualInputs, SmallComponentsBesideUsualOnesAreUsual) {

@@ -33,7 +33,10 @@ const KeyTable& orientation_keys() {
               "`\"fisher\"` with `kappa`; `\"uniform\"` with `dip_range`, `dip_direction_range`; `\"normal\"` with "
               "`dip_std`, `dip_direction_std`; `\"bingham\"` with `k1`, `k2`, `axis`; `\"constant\"`: all parallel; or "
               "`\"bootstrap\"` with `file`, `set` and `jitter`"},
-             {"kappa", key::number(rule::kappa), "", "concentration of the Fisher law"},
+             {"kappa",
+              key::number(rule::kappa.usually(
+                  2, 1e6, "the larger the closer together: 20 deviates by 18 degrees, 1 has next to no direction")),
+              "", "concentration of the Fisher law"},
              {"dip_range", key::number(rule::dip), "", "degrees, plus or minus"},
              {"dip_direction_range", key::number(rule::half_turn), "", "degrees, plus or minus"},
              {"dip_std", key::number(rule::dip), "", "degrees"},

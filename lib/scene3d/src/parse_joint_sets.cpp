@@ -150,6 +150,12 @@ std::optional<dfn::SizeLaw> parse_size(const TableReader& set, string_view key) 
     // A lower limit of 0 says no more than that sizes are positive.
     if (spec.min && spec.min->si() == 0) spec.min = std::nullopt;
     if (!law || set.problems().errors() != before) return std::nullopt;
+    if (spec.mean && ((spec.min && *spec.mean < *spec.min) || (spec.max && *spec.max < *spec.mean))) {
+      table.note(
+          "mean",
+          fmt::format("is {:g} m, outside of min..max: no more than a tail of the law is drawn", spec.mean->si()),
+          "mean and std are those of the law before it is cut to min..max");
+    }
     spec.distribution = static_cast<dfn::SizeDistribution>(*law);
   }
   auto law = dfn::SizeLaw::make(spec);

@@ -254,6 +254,9 @@ ParsedStability parse_stability(const Context& context, const TableReader& root,
       }
       if (gravity == geometry::Vec3{}) {
         table.note("gravity", "is 0, so that blocks have no weight", "that of the earth is 9.81");
+      } else if (gravity.z > 0) {
+        table.note("gravity", "points upwards, as z does: what is taken out of a roof would fall upwards",
+                   "write gravity = 9.81, or [0, 0, -9.81]");
       }
     }
     loads = parse_load_set(context, table, domain, excavations);

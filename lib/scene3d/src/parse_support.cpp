@@ -21,6 +21,7 @@ using std::string_view;
 constexpr NumberRule capacity_rule = NumberRule{0, false, 1e12, false, " N"}.usually(1e3, 1e8);
 constexpr NumberRule bond_rule = NumberRule{0, false, 1e12, false, " N/m"}.usually(1e3, 1e9);
 constexpr NumberRule bolt_length_rule = rule::length.usually(0.2, 200);
+constexpr NumberRule spacing_rule = rule::length.usually(0.1, 50);
 constexpr NumberRule thickness_rule = rule::length.usually(0.005, 2);
 constexpr NumberRule shotcrete_rule = NumberRule{0, true, 1e12, false, " Pa"}.usually(
     1e4, 1e7, "in shear it is a tenth of that in compression or less: check it");
@@ -78,7 +79,7 @@ const KeyTable& group_keys() {
               "a grid in a plane, from `corner` along strike (to the right seen from the air) and down the dip"},
              {"at", key::points(), "", "single bolts with one `direction`"},
              {"direction", key::vector(rule::any), "", "of single bolts, into the rock"},
-             {"spacing", key::pair(rule::length), "",
+             {"spacing", key::pair(spacing_rule), "",
               "m: along the axis and around the section; of a grid across and down the dip"},
              {"offset", key::pair(rule::length_or_zero), "[0, 0]", "m, of the first bolt"},
              {"arc", key::pair(arc_rule), "all round",
@@ -173,6 +174,12 @@ std::optional<stability::BoltType> parse_type(const TableReader& table) {
   const auto anchorage = table.need_number("anchorage");
   const double plate = table.value("plate_capacity");
   if (!tendon || !anchorage) return std::nullopt;
+  if (const auto length = table.number("length"); length && *anchorage >= *length) {
+    table.note("anchorage",
+               fmt::format("is {:g} m, and the bolt is {:g} m long: no bolt is gripped so, and none holds anything",
+                           *anchorage, *length),
+               "give the length that must be gripped beyond the block");
+  }
   const auto kind = parse_kind(table, *anchorage);
   if (!kind) return std::nullopt;
   return stability::BoltType{.tendon = newtons(*tendon),
