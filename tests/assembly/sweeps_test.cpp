@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -134,7 +135,7 @@ TEST(SweepsTest, PartsLeanOnWhatStays) {
 
 /// Blocks in space in a row of rows, each on several of those before it and on rock, as joints in any direction part
 /// them.
-Assembly heap(Rng& rng, std::uint32_t blocks) {
+Assembly heap(Rng& rng, std::uint32_t blocks, double friction) {
   Builder b{Freedom::translation};
   const auto normal = [&] {
     const double dip = 20 + 65 * rng.uniform(), direction = 360 * rng.uniform();
@@ -142,9 +143,9 @@ Assembly heap(Rng& rng, std::uint32_t blocks) {
   };
   for (std::uint32_t k = 0; k < blocks; ++k) {
     const std::uint32_t id = b.block({0, 0, -1}, 1);
-    b.contact(id, rock, normal(), tan_deg(30));
+    b.contact(id, rock, normal(), tan_deg(friction));
     for (std::uint32_t j = 1; j <= 3 && j <= k; ++j) {
-      if (rng.uniform() < 0.7) b.contact(id, k - j, normal(), tan_deg(30));
+      if (rng.uniform() < 0.7) b.contact(id, k - j, normal(), tan_deg(friction));
     }
   }
   return b.made();
@@ -157,7 +158,7 @@ TEST(SweepsTest, AnotherOrderMayFindMotion) {
   int more = 0;
   for (int trial = 0; trial < 22; ++trial) {
     SCOPED_TRACE(trial);
-    const Assembly assembly = heap(rng, 26);
+    const Assembly assembly = heap(rng, 26, 30);
     const Elements elements{assembly};
     const auto moving = [&](unsigned order) {
       const Solution found = settle(elements, 1, order);
@@ -185,6 +186,19 @@ TEST(SweepsTest, AnotherOrderMayFindMotion) {
     for (std::size_t k = 0; k < any.size(); ++k) EXPECT_LE(any[k], said[k]) << k;
   }
   EXPECT_GT(more, 1);
+}
+
+TEST(SweepsTest, WhatDoesNotMoveInTheOrderGivenMayMoveInAnother) {
+  for (const std::uint64_t seed : {154U, 158U, 237U}) {
+    SCOPED_TRACE(seed);
+    Rng rng{seed};
+    const Assembly assembly = heap(rng, 26, 37);
+    ASSERT_NE(ends(assembly, 1), Ends::moves);
+    const Verdict verdict = judge(assembly).verdict;
+    EXPECT_TRUE(verdict == Verdict::certain || verdict == Verdict::unsafe) << name(verdict);
+    const auto moves = [](const Group& group) { return group.verdict != Verdict::in_doubt; };
+    EXPECT_TRUE(std::ranges::any_of(find_groups(assembly, Ask::verdicts).groups, moves));
+  }
 }
 
 }  // namespace

@@ -101,7 +101,13 @@ Judged judge(const Assembly& assembly) {
       return out;
     }
   }
-  const Start start = start_from_rest(assembly, 1);
+  const bool one = assembly.bodies().size() == 1 && !turns(assembly.freedom());
+  Start start = start_from_rest(assembly, 1);
+  for (unsigned order = 1; !one && order <= other_orders && start.found != FromRest::moves; ++order) {
+    Ended ended;
+    Start other = start_by_sweeps(assembly, 1, order, ended);
+    if (other.found == FromRest::moves) start = std::move(other);
+  }
   if (start.found == FromRest::moves || out.moving.factor < 1) {
     out.verdict = Verdict::unsafe;
     if (start.found == FromRest::moves) out.motion = start.motion;
@@ -116,7 +122,6 @@ Judged judge(const Assembly& assembly) {
     }
   }
   const bool settled = start.found == FromRest::rests && out.moving.settled && out.up.settled;
-  const bool one = assembly.bodies().size() == 1 && !turns(assembly.freedom());
   out.verdict =
       settled && (one || !apart(out.up.factor, out.moving.factor)) ? Verdict::no_motion_found : Verdict::in_doubt;
   return out;
