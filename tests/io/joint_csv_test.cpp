@@ -258,6 +258,10 @@ TEST(JointCsvTest, HeadersAreRequiredAndJudged) {
   columns("dip,dip_direction,x,y,z,side_a");
   columns("dip,dip_direction,x,y,z,rotation");
   columns("dip,dip_direction;x,y,z");
+  const auto tabs = problems("dip\tdd\tx\ty\tz\n45\t120\t0\t0\t0\n");
+  ASSERT_EQ(tabs.size(), 1U);
+  EXPECT_EQ(tabs[0].fault, ReadFault::bad_columns);
+  EXPECT_NE(tabs[0].what.find("has tabs between its columns"), std::string::npos);
   EXPECT_EQ(problems("").at(0).fault, ReadFault::empty);
   EXPECT_EQ(problems("# nothing\n\n").at(0).fault, ReadFault::empty);
   EXPECT_EQ(problems("dip,dd,x,y,z\n").at(0).fault, ReadFault::empty);

@@ -75,6 +75,10 @@ class CsvReader final {
       return std::unexpected(lines_.error(ReadFault::bad_columns, "the header has both commas and semicolons",
                                           "separate columns by one of them"));
     }
+    if (!comma && !semicolon && line.contains('\t')) {
+      return std::unexpected(lines_.error(ReadFault::bad_columns, "the header has tabs between its columns",
+                                          "separate columns by commas or semicolons: save the table as CSV"));
+    }
     table_.separator = semicolon ? ';' : ',';
     return {};
   }
