@@ -73,6 +73,27 @@ TEST(Ground, VerticalMotionWeighsOnFriction) {
   expect_near(falls.displacement(1), {0, 0, 0.5 * g_earth * 0.02}, 1e-9);
 }
 
+// A wedge between steep rough walls: forces that lock it would hold it against any load, and it was held by friction
+// before. Ground that drops faster than a stone leaves it behind all the same, as it does what was never pressed.
+TEST(Ground, WhatStoodInAGrooveIsNotLockedThere) {
+  const double t = std::tan(10 * degree), from = 0.3;
+  const auto wall = [&](double side) {
+    std::vector<std::pair<double, double>> outline{{-3, -1}, {-0.5 + t, -1}, {-0.5 - 2 * t, 2}, {-3, 2}};
+    for (auto& [x, y] : outline) x *= side;
+    if (side < 0) std::ranges::reverse(outline);
+    BodySpec out = body(prism(outline, -1, 1));
+    out.fixed = true;
+    return out;
+  };
+  const auto wedge = body(prism({{-0.5, 0}, {0.5, 0}, {0.5 + t, 1}, {-0.5 - t, 1}}, -0.5, 0.5));
+  World w = world({wall(1), wall(-1), wedge}, std::tan(30 * degree),
+                  {.gravity = {0, -g_earth, 0}, .step = 0.01, .ground = rectangle({0, -2 * g_earth, 0}, 0.2, from)});
+  ASSERT_TRUE(run(w, from));
+  EXPECT_LT(norm(w.displacement(2)), 1e-9);
+  ASSERT_TRUE(run(w, from + 0.2));
+  expect_near(w.displacement(2), {0, g_earth * 0.02, 0}, 1e-6);
+}
+
 TEST(Ground, ASlopeGivesWayDownhillBeforeUphill) {
   const double dip = 20 * degree, phi = 25 * degree;
   const Vec3 down{std::sin(137 * degree), std::cos(137 * degree), 0};
