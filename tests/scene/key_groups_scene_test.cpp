@@ -347,6 +347,19 @@ TEST(KeyGroupsScene, WhatIsInDoubtIsLetGo) {
   }
 }
 
+TEST(KeyGroupsScene, SupportOfGroupsThatReachBeyondWhatWasJudgedDoesNotPass) {
+  stability::GroupSupport support;
+  EXPECT_TRUE(count_supported_groups(support).all_held());
+  for (stability::KeyGroups* part : {&support.below, &support.left}) {
+    part->cut_off = true;
+    const SupportedGroupFigures figures = count_supported_groups(support);
+    EXPECT_FALSE(figures.all_held());
+    EXPECT_EQ(figures.in_doubt, 1U);
+    EXPECT_EQ(figures.count, 1U);
+    part->cut_off = false;
+  }
+}
+
 // The same slice held by its own sides is not safe: smooth, they let the two go together, and neither alone.
 TEST(KeyGroupsScene, WhatOnlyTheBorderHoldsTogetherIsSaid) {
   const RunResult slice = run_of(active_and_passive(20, "\"top\""));

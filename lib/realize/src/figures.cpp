@@ -181,6 +181,11 @@ SupportedGroupFigures count_supported_groups(const stability::GroupSupport& grou
       f.not_held_volume += group.volume;
     }
   }
+  // What more they push was not looked at.
+  if (groups.below.cut_off || groups.left.cut_off) {
+    ++f.count;
+    ++f.in_doubt;
+  }
   return f;
 }
 

@@ -295,7 +295,9 @@ template <class V>
 void fields(V& v, const SupportedGroupFigures& x) {
   v("count", x.count, "groups below their target without support, those in doubt counted");
   v("not_held", x.not_held, "that still move at their target with it");
-  v("in_doubt", x.in_doubt, "of which that could not be decided, or within 5 %");
+  v("in_doubt", x.in_doubt,
+    "of which that could not be decided, or within 5 %; blocks beyond those judged together, where a group reaches "
+    "them, count as one");
   v("not_held_volume_m3", x.not_held_volume);
 }
 template <class V>
