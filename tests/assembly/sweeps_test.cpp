@@ -8,6 +8,7 @@
 
 #include "cases.hpp"
 #include "chains.hpp"
+#include "cleave/assembly/groups.hpp"
 #include "cleave/core/rng.hpp"
 #include "elements.hpp"
 #include "settle.hpp"
