@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[1]
 CHAPTERS = [
     ("Start", ["README.md", "docs/tutorial.md", "docs/coming_from.md", "docs/glossary.md", "docs/python.md", "docs/library.md"]),
     ("Scenes and results", ["docs/scene.md", "docs/results.md", "docs/geometry.md", "docs/formats.md"]),
-    ("Methods", ["docs/cutter.md", "docs/stability.md", "docs/survey.md", "docs/monte_carlo.md", "docs/bem.md", "docs/contact.md"]),
+    ("Methods", ["docs/cutter.md", "docs/stability.md", "docs/survey.md", "docs/monte_carlo.md", "docs/bem.md", "docs/contact.md", "docs/theory/index.md"]),
     ("How far to trust it", ["docs/guarantees.md", "docs/degenerate-counts.md", "docs/monte_carlo_results.md"]),
     ("For developers", ["docs/contributing.md", "docs/decisions/README.md", "CHANGELOG.md"]),
 ]
