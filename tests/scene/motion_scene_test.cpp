@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
 #include <tuple>
+#include <vector>
 
 #include "cleave/realize/run.hpp"
 #include "run_scene.hpp"
@@ -108,16 +110,17 @@ TEST(MotionScene, EveryAxisOfTheGroundActs) {
 
 TEST(MotionScene, GroundThatTheRunDoesNotSeeWholeIsSaid) {
   const auto notes = [](const std::string& motion, const std::string& words) {
-    return notes_with(moved(shaken(motion)), words);
+    const std::vector<Problem> said = scene_of(shaken(motion)).notes;
+    return std::ranges::count_if(said, [&](const Problem& note) { return note.what.contains(words); });
   };
   const std::string pulse = "acceleration = [1, 0, 0], time = { kind = \"pulse\", duration = 0.04 }";
   EXPECT_EQ(notes("duration = 0.05\nstep = 0.01\nground = { " + pulse + " }\n", "long for ground that moves within"),
-            1U);
-  EXPECT_EQ(notes("duration = 0.05\nstep = 0.008\nground = { " + pulse + " }\n", "long for ground that moves"), 0U);
-  EXPECT_EQ(notes("duration = 0.03\nstep = 0.005\nground = { " + pulse + " }\n", "the ground moves for 0.04 s"), 1U);
-  EXPECT_EQ(notes("duration = 0.04\nstep = 0.005\nground = { " + pulse + " }\n", "the ground moves for"), 0U);
+            1);
+  EXPECT_EQ(notes("duration = 0.05\nstep = 0.008\nground = { " + pulse + " }\n", "long for ground that moves"), 0);
+  EXPECT_EQ(notes("duration = 0.03\nstep = 0.005\nground = { " + pulse + " }\n", "the ground moves for 0.04 s"), 1);
+  EXPECT_EQ(notes("duration = 0.04\nstep = 0.005\nground = { " + pulse + " }\n", "the ground moves for"), 0);
   const std::string sine = "acceleration = [0.1, 0, 0], time = { kind = \"harmonic\", frequency = 4 }";
-  EXPECT_EQ(notes("until = \"rest\"\nduration = 0.02\nground = { " + sine + " }\n", "moves for ever"), 1U);
+  EXPECT_EQ(notes("until = \"rest\"\nduration = 0.02\nground = { " + sine + " }\n", "moves for ever"), 1);
   const auto wrong = [](const std::string& ground) { return error_of(shaken("ground = { " + ground + " }\n")); };
   EXPECT_NE(wrong("record = { step = 0.1 }").find("motion.ground.record.x: is missing"), std::string::npos);
   EXPECT_NE(wrong("acceleration = [1, 0]").find("motion.ground.acceleration"), std::string::npos);
