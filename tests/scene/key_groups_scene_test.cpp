@@ -241,12 +241,12 @@ TEST(KeyGroupsScene, OfEachStage) {
 // More than sixty blocks are near a free face after the first stage: where groups decide they turn there too.
 TEST(KeyGroupsScene, OfEachStageWithMomentsWhereTheyDecide) {
   std::string cubes =
-      "[domain]\nbox = { min = [0, 0, 0], max = [12, 12, 1] }\n[stability]\nfree = [\"top\"]\ngroups = \"decide\"\n"
+      "[domain]\nbox = { min = [0, 0, 0], max = [20, 20, 1] }\n[stability]\nfree = [\"top\"]\ngroups = \"decide\"\n"
       "[[excavation]]\nname = \"a\"\nstage = 1\nkind = \"polyhedron\"\nbox = { min = [1.2, 1.2, 0.5], max = [1.6, 1.6, "
       "1] }\n"
       "[[excavation]]\nname = \"b\"\nstage = 2\nkind = \"polyhedron\"\nbox = { min = [4.2, 4.2, 0.5], max = [4.6, 4.6, "
       "1] }\n";
-  for (int k = 1; k < 12; ++k) {
+  for (int k = 1; k < 20; ++k) {
     cubes += fmt::format(
         "[[joint]]\nplane = {{ through = [{0}, 0, 0], dip = 90, dip_direction = 90 }}\n"
         "[[joint]]\nplane = {{ through = [0, {0}, 0], dip = 90, dip_direction = 0 }}\n",
@@ -254,7 +254,7 @@ TEST(KeyGroupsScene, OfEachStageWithMomentsWhereTheyDecide) {
   }
   const RunResult result = run_of(cubes + "[[joint]]\nplane = { through = [0, 0, 0.1], dip = 0, dip_direction = 0 }\n");
   ASSERT_TRUE(result.sequence && result.sequence->stages.front().groups);
-  EXPECT_GT(result.sequence->stages.front().groups->blocks, 60U);
+  EXPECT_GT(result.sequence->stages.front().groups->blocks, stability::most_noted.turning);
   EXPECT_FALSE(result.sequence->stages.front().groups->without_moments);
 }
 
