@@ -159,7 +159,7 @@ Branch::Found Branch::of(Solution solution) {
   return found;
 }
 
-Branch::Found Branch::by_sweeps(double divisor, unsigned order) const { return of(settle(*elements_, divisor, order)); }
+Branch::Found Branch::by_sweeps(double divisor) { return of(settle(*elements_, divisor)); }
 
 std::optional<Branch::Found> Branch::by_inner_points(double divisor) const {
   const bool bonds = has_bonds(*elements_);

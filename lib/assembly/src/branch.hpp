@@ -68,7 +68,6 @@ class Branch final {
   void allow(unsigned solves) { allowed_ = solves; }
   /// Motion that interior points come by, apart from what was found before; empty where they find none.
   [[nodiscard]] std::optional<Found> by_inner_points(double divisor) const;
-  [[nodiscard]] Found by_sweeps(double divisor, unsigned order = 0) const;
   /// Makes what was found the start of what follows.
   void keep(const Found& found) { start_ = found.state; }
   [[nodiscard]] Newton& newton() noexcept { return newton_; }
@@ -77,6 +76,7 @@ class Branch final {
   [[nodiscard]] Found judged(double divisor, State state) const;
   [[nodiscard]] Found by_newton(double divisor);
   [[nodiscard]] Found by_thresholds(double divisor);
+  [[nodiscard]] Found by_sweeps(double divisor);
   [[nodiscard]] Found standing(double divisor);
 
   const Elements* elements_;

@@ -186,7 +186,7 @@ Start start_from_rest(const Assembly& assembly, double factor, Ended& ended) {
 
 Start start_by_sweeps(const Assembly& assembly, double factor, unsigned order, Ended& ended) {
   const Elements elements{assembly};
-  return started(assembly, elements, Branch{elements}.by_sweeps(factor, order), ended);
+  return started(assembly, elements, Branch::of(settle(elements, factor, order)), ended);
 }
 
 Twice start_from_weaker(const Assembly& weaker, double factor, const Assembly& assembly) {

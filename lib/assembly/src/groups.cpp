@@ -164,7 +164,9 @@ class Search final {
     for (std::size_t k = 1; k < begun.size(); ++k) add_moving(begun[k], open);
     look_closer(std::move(open));
     look_weaker(forces);
-    parallel_for(groups_.size(), threads_, [&](std::size_t k) { give_factors(groups_[k]); });
+    // What is certain counts all cohesion; what may move counts what is pressed.
+    const Assembly counting = with_bonds(island_, counts_);
+    parallel_for(groups_.size(), threads_, [&](std::size_t k) { give_factors(groups_[k], counting); });
     return true;
   }
   [[nodiscard]] std::vector<Group>& groups() noexcept { return groups_; }
@@ -355,7 +357,8 @@ class Search final {
     return group;
   }
 
-  void give_factors(Group& group) const {
+  /// `counting`: the island with the cohesion that counts for what may move.
+  void give_factors(Group& group, const Assembly& counting) const {
     const bool moves = group.verdict != Verdict::in_doubt;
     group.factors = ask_ == Ask::factors && group.bodies.size() <= (moves ? most_for_factors : few_for_fine_factors);
     group.up.factor = group.verdict == Verdict::certain ? 1 : infinite;
@@ -363,9 +366,8 @@ class Search final {
     if (group.factors) {
       const Assembly part = island_.part(group.bodies, Assembly::Others::fixed);
       const Accuracy accuracy = group.bodies.size() > few_for_fine_factors ? Accuracy::coarse : Accuracy::quick;
-      // What is certain counts all cohesion; what may move counts what is pressed.
       group.up = static_factor(part, accuracy);
-      const Assembly pressed = with_bonds(island_, counts_).part(group.bodies, Assembly::Others::fixed);
+      const Assembly pressed = counting.part(group.bodies, Assembly::Others::fixed);
       group.moving = moving_factor(pressed, group.up.factor, accuracy);
       if (moves && !turns(island_.freedom())) {
         const Freedom turning = flat(island_.freedom()) ? Freedom::section : Freedom::rigid;

@@ -12,7 +12,7 @@ namespace cleave::scene {
 
 using Rate = Quantity<0, 0, -1>;  ///< 1/s
 
-/// Factor of a load against time.
+/// Factor of a load against time; times in s from the start of the run.
 struct TimeFunction {
   enum class Kind : std::uint8_t { step, ramp, pulse, harmonic };
   Kind kind = Kind::step;
@@ -23,7 +23,8 @@ struct TimeFunction {
   [[nodiscard]] Time fastest() const;                       ///< in which it changes; infinite: it does not
 };
 
-/// A vector over time, such as an acceleration (m/s2): V is Vec2 or geometry::Vec3.
+/// A vector over time, such as an acceleration (m/s2): V is Vec2 or geometry::Vec3. Times in s from the start of the
+/// run.
 template <class V>
 struct TimeCourse {
   V amplitude{};  ///< of `time`; of a record, component by component
