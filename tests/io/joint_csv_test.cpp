@@ -80,13 +80,26 @@ TEST(JointCsvTest, ColumnsInAnyOrderAndEverySize) {
   EXPECT_FALSE(t.rows[1].friction.has_value());
   EXPECT_TRUE(std::holds_alternative<Persistent>(t.rows[2].size));
   EXPECT_EQ(t.rows[2].cohesion, pascals(1e4));
-  ASSERT_EQ(t.notes.size(), 2U);
+  ASSERT_EQ(t.notes.size(), 3U);
   EXPECT_EQ(
       t.notes[0],
       "columns read: id, set, x (from \"easting\") in m, y (from \"northing\") in m, z (from \"elevation\") in m, "
       "dip_direction in degrees, dip in degrees, radius in m, side_a in m, side_b in m, rotation in degrees, "
       "friction in degrees, cohesion in Pa");
   EXPECT_EQ(t.notes[1], "column \"remark\" is not used");
+  EXPECT_EQ(t.notes[2], "1 of 3 joints has no size (the first in line 6): it goes through the whole domain");
+}
+
+TEST(JointCsvTest, CellsWithoutASizeAreSaid) {
+  const auto notes = [](const std::string& header, const std::string& rows) {
+    return read("dip,dip_direction,x,y,z" + header + "\n" + rows).notes;
+  };
+  const auto blank = notes(",diameter", "60,30,1,2,3,\n60,30,1,2,4,2\n60,30,1,2,5,\n");
+  ASSERT_EQ(blank.size(), 2U);
+  EXPECT_EQ(blank[1], "2 of 3 joints have no size (the first in line 2): they go through the whole domain");
+  EXPECT_EQ(notes(",side_a,side_b", "60,30,1,2,3,,\n").size(), 2U);
+  EXPECT_EQ(notes(",radius", "60,30,1,2,3,4\n").size(), 1U);
+  EXPECT_EQ(notes("", "60,30,1,2,3\n").size(), 1U);  // nobody speaks of sizes
 }
 
 TEST(JointCsvTest, UnitsInBracketsCount) {

@@ -203,8 +203,23 @@ TEST(Openings, WhatARunRefusesIsFoundByTheCheck) {
   const auto told = refusals(scene_of(off));
   ASSERT_EQ(told.size(), 1U);
   EXPECT_EQ(describe(told.front()), describe(ran.error().front()));
+  // A snap that closes an opening up is told of before anything is cut.
+  const auto coarse = refusals(scene_of("snap = 5\n" + room));
+  ASSERT_EQ(coarse.size(), 1U);
+  EXPECT_TRUE(coarse[0].remedy.contains("snap = 5")) << describe(coarse[0]);
   const auto swallowed = refusals(scene_of(with_box(opening("all", "[-1, -1, -1]", "[9, 9, 9]"))));
   ASSERT_EQ(swallowed.size(), 1U);
+}
+
+// Rock without the set, and no word of it, is what a slip in its intensity gives.
+TEST(EmptySets, AreSaid) {
+  const auto with = [](const std::string& name, const std::string& intensity) {
+    return "[[joint_set]]\nname = \"" + name +
+           "\"\norientation = { dip = 40, dip_direction = 30 }\nsize = 2\nintensity = { " + intensity + " }\n";
+  };
+  const RunResult result = run_of(with_box(with("A", "spacing = 9e4") + with("B", "p32 = 1")));
+  EXPECT_EQ(notes_with(result, "no joint was drawn of the set A (line"), 1U);
+  EXPECT_EQ(notes_with(result, "no joint was drawn"), 1U);
 }
 
 TEST(CoarseSnap, TheNoteNamesTheJoint) {

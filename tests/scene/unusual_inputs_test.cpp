@@ -133,6 +133,45 @@ TEST(UnusualInputs, PatternsAndLawsThatHoldNothing) {
   EXPECT_EQ(set("mean = 3, std = 1, min = 2, max = 5", "0.6").size(), 1U);
 }
 
+TEST(UnusualInputs, JointsInMillimetres) {
+  const auto set = [](const std::string& size, const std::string& intensity) {
+    return remedies("[[joint_set]]\nname = \"S\"\norientation = { dip = 40, dip_direction = 30 }\nsize = " + size +
+                    "\nintensity = { " + intensity + " }\n[rock]\ndensity = 2700\n" + strength +
+                    "[stability]\nfree = [\"top\"]\n");
+  };
+  EXPECT_EQ(set("5", "spacing = 600"),
+            (Said{"joint_set[1].intensity.spacing: if it is meant in mm, write \"600 mm\""}));
+  EXPECT_EQ(set("12000", "spacing = 0.6"), (Said{"joint_set[1].size: if it is meant in mm, write \"12000 mm\""}));
+  EXPECT_EQ(set("{ distribution = \"exponential\", mean = 3000 }", "p32 = 1"),
+            (Said{"joint_set[1].size.mean: if it is meant in mm, write \"3000 mm\""}));
+  EXPECT_EQ(set("{ distribution = \"power\", exponent = 2.5, min = 0.005, max = 5000 }", "spacing = 0.6"), Said{});
+  EXPECT_EQ(set("\"12000 mm\"", "spacing = \"600 mm\""), Said{});
+  const Scene in_mm =
+      scene_of(with_box("[[joint_set]]\norientation = { dip = 40, dip_direction = 30 }\nsize = \"4000 mm\"\nintensity "
+                        "= { p32 = 0.5 }\n"));
+  EXPECT_TRUE(std::holds_alternative<dfn::Rectangle>(in_mm.joint_sets[0].law.spec().shape));
+}
+
+TEST(UnusualInputs, TailsBelowAnUnstatedLimit) {
+  const auto law = [](const std::string& table) {
+    return texts(joints_and_rock + "[stability]\nfree = [\"top\"]\n[joints.default]\n" + table);
+  };
+  const std::string cohesion = "friction = 30\ncohesion = { distribution = ";
+  // Above 0 a normal law of (1, 1) has the mean 1 + phi(1)/Phi(1) = 1.2876.
+  EXPECT_EQ(
+      law(cohesion + "\"normal\", mean = 10e3, std = 10e3 }\n"),
+      (Said{"joints.default.cohesion 16 % of this normal law lie below 0 and are drawn again: the values drawn are "
+            "1.29e+04 on average, not 10000"}));
+  EXPECT_EQ(law("friction = { distribution = \"normal\", mean = 30, std = 25 }\ncohesion = 0\n").size(), 1U);
+  EXPECT_EQ(law(cohesion + "\"normal\", mean = 10e3, std = 10e3, min = 0 }\n"), Said{});
+  EXPECT_EQ(law(cohesion + "\"lognormal\", mean = 10e3, std = 10e3 }\n"), Said{});
+  EXPECT_EQ(law(cohesion + "\"normal\", mean = 10e3, std = 3e3 }\n"), Said{});
+  // A law over whatever values is not cut.
+  EXPECT_EQ(law("friction = 30\ncohesion = 0\n[stability.water]\n"
+                "table = { distribution = \"normal\", mean = 1, std = 2 }\n"),
+            Said{});
+}
+
 TEST(UnusualInputs, SmallComponentsBesideUsualOnesAreUsual) {
   EXPECT_EQ(remedies(joints_and_rock + strength +
                      "[stability]\nfree = [\"top\"]\nseismic = [0.15, 0, 1e-5]\nwater = { pressures = { A = 60e3 } }\n"

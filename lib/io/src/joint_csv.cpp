@@ -99,6 +99,7 @@ class TableReader final {
     }
     if (!problems_.empty()) return std::unexpected(std::move(problems_));
     note_radians();
+    note_endless();
     return std::move(table_);
   }
 
@@ -299,6 +300,21 @@ class TableReader final {
     problem(row, column, ReadFault::out_of_range, fmt::format("{} is {}", name_of(column), *value),
             fmt::format("it must be {}", range));
     return std::nullopt;
+  }
+
+  /// Cells left blank where other joints have a size.
+  void note_endless() {
+    const bool sized = has(Column::radius) || has(Column::diameter) || has(Column::side_a);
+    std::size_t endless = 0;
+    const JointRow* first = nullptr;
+    for (const JointRow& row : table_.rows) {
+      if (!std::holds_alternative<Persistent>(row.size)) continue;
+      if (endless++ == 0) first = &row;
+    }
+    if (!sized || endless == 0) return;
+    table_.notes.push_back(fmt::format("{} of {} joints {} no size (the first in line {}): {} through the whole domain",
+                                       endless, table_.rows.size(), endless == 1 ? "has" : "have", first->line,
+                                       endless == 1 ? "it goes" : "they go"));
   }
 
   /// Angles without a unit, all small and not all whole, may be radians.

@@ -67,6 +67,7 @@ std::vector<Problem> without_rock(const Scene& scene, const std::vector<Excavati
 std::vector<Problem> refusals(const Scene& scene, const RunOptions& options) {
   const auto drawn = sample(scene);
   if (!drawn) return drawn.error();
+  if (const auto refused = topology::refusal_of(drawn->input)) return {problem_of(*refused, scene, *drawn)};
   const auto cut = topology::cut({.domain = drawn->input.domain,
                                   .excavations = drawn->input.excavations,
                                   .free_domain_tags = drawn->input.free_domain_tags});

@@ -10,6 +10,23 @@
 namespace cleave::scene {
 namespace {
 
+/// What was said of the scene as it was read, and sets of which nothing was drawn.
+std::vector<std::string> notes_of_input(const Scene& scene, const Realization& made) {
+  std::vector<std::string> notes;
+  for (const Problem& note : scene.notes) notes.push_back(describe(note));
+  for (const RandomSet& set : scene.joint_sets) {
+    const bool drawn = std::ranges::any_of(made.joints, [&](const JointInfo& joint) {
+      return joint.set == set.set && joint.origin == JointOrigin::drawn;
+    });
+    if (drawn) continue;
+    notes.push_back(
+        fmt::format("no joint was drawn of the set {} (line {} of the scene): the blocks are those of rock without it; "
+                    "check its intensity and size, in metres",
+                    scene.sets[set.set].name, set.line));
+  }
+  return notes;
+}
+
 /// Blocks that translation leaves in place, but no statics does.
 void add_rotation_note(const stability::Analysis& analysis, std::vector<std::string>& notes) {
   std::size_t turning = 0;
@@ -196,8 +213,7 @@ void add_barred_note(const std::vector<stability::Barred>& barred, bool too_many
 std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   const std::optional<stability::Analysis>& analysis = made.analysis;
   const std::optional<FieldStressResult>& clamped = made.field_stress;
-  std::vector<std::string> notes;
-  for (const Problem& note : scene.notes) notes.push_back(describe(note));
+  std::vector<std::string> notes = notes_of_input(scene, made);
   if (made.window) {
     notes.push_back(note_on(*made.window));
   } else {

@@ -185,8 +185,7 @@ std::optional<dfn::Model> parse_model(const TableReader& set, const OtherSets& o
     if (!word) return std::nullopt;
     model = *word;
   }
-  const TomlEntry* size = set.find("size");
-  const bool persistent = size != nullptr && std::holds_alternative<std::string>(size->node.value);
+  const bool persistent = is_persistent(set);
   // Endless joints with a law of gaps are parallel planes.
   if (model == 0 && persistent && set.has("gaps")) model = 7;
   for (const Key& own_key : model_keys()) {

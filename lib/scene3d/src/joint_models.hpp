@@ -27,6 +27,8 @@ struct OtherSets {
 [[nodiscard]] const KeyTable& orientation_keys();
 [[nodiscard]] std::optional<dfn::OrientationLaw> parse_orientation(Context& context, const TableReader& set);
 
+/// Whether the joints are endless: `size = "persistent"`.
+[[nodiscard]] bool is_persistent(const TableReader& set);
 /// A law of sizes under `key`.
 [[nodiscard]] std::optional<dfn::SizeLaw> parse_size(const TableReader& set, std::string_view key);
 

@@ -17,6 +17,8 @@ namespace {
 
 using std::string_view;
 
+constexpr NumberRule size_rule = rule::length.usually(0.01, 2000);
+constexpr NumberRule spacing_rule = rule::length.usually(0.01, 200);
 constexpr NumberRule spread_rule{0, false, 360, false, " degrees"};
 constexpr NumberRule exponent_rule{0, true, 100, false, ""};
 constexpr NumberRule aspect_rule{0, true, 1e6, false, ""};
@@ -33,7 +35,7 @@ const KeyTable& size_keys() {
   static const KeyTable keys{
       .name = "size",
       .keys = {{"distribution", key::word<dfn::SizeDistribution>(), required, "law of the size"},
-               {"mean", key::number(rule::length), "", "m, before the law is cut to `min`..`max`"},
+               {"mean", key::number(size_rule), "", "m, before the law is cut to `min`..`max`"},
                {"std", key::number(rule::length_or_zero), "", "m, before the law is cut"},
                {"min", key::number(rule::length_or_zero), "", "m"},
                {"max", key::number(rule::length), "", "m"},
@@ -64,7 +66,7 @@ const KeyTable& intensity_keys() {
            {"p32", key::number(per_metre_rule), "", "1/m, area in a volume"},
            {"p30", key::number(per_volume_rule), "", "1/m3, centres in a volume"},
            {"p10", key::number(per_metre_rule), "", "1/m, number along the mean normal"},
-           {"spacing", key::number(rule::length), "", "m, along the mean normal"}},
+           {"spacing", key::number(spacing_rule), "", "m, along the mean normal"}},
       .one_of = {{"count", "p32", "p30", "p10", "spacing"}}};
   return keys;
 }
@@ -81,7 +83,7 @@ std::optional<std::size_t> distribution_of(const TableReader& table, string_view
 }  // namespace
 
 KeyType size_type() {
-  return key::either({key::number(rule::length), key::word(persistent_word), key::table(&size_keys)});
+  return key::either({key::number(size_rule), key::word(persistent_word), key::table(&size_keys)});
 }
 
 const KeyTable& joint_set_keys() {
@@ -118,15 +120,23 @@ const KeyTable& joint_set_keys() {
   return keys;
 }
 
+bool is_persistent(const TableReader& set) {
+  const TomlEntry* size = set.find("size");
+  const auto* word = size != nullptr ? std::get_if<std::string>(&size->node.value) : nullptr;
+  return word != nullptr && *word == persistent_word.front();
+}
+
 std::optional<dfn::SizeLaw> parse_size(const TableReader& set, string_view key) {
   const TomlEntry* entry = set.find(key);
   if (entry == nullptr) return std::nullopt;
   dfn::SizeSpec spec;
   std::string path = set.path_of(key);
   if (!std::holds_alternative<TomlTable>(entry->node.value)) {
-    if (std::holds_alternative<std::string>(entry->node.value)) {
+    const auto* text = std::get_if<std::string>(&entry->node.value);
+    if (text != nullptr && !with_unit(*text, size_rule)) {
       set.error(key, "is text that is no size",
-                "give a number of metres or { distribution = \"normal\", mean = 100, std = 30, min = 1, max = 300 }"
+                "give a number of metres, a text with a unit such as \"600 mm\", or { distribution = \"normal\", mean "
+                "= 100, std = 30, min = 1, max = 300 }"
                 " (size alone may also be \"persistent\")");
       return std::nullopt;
     }
@@ -301,8 +311,7 @@ std::optional<dfn::Shape> parse_shape(const TableReader& set) {
         "add size = { distribution = \"normal\", mean = 100, std = 30, min = 1, max = 300 }, or \"persistent\"");
     return std::nullopt;
   }
-  if (const auto* text = std::get_if<std::string>(&set.find("size")->node.value);
-      text != nullptr && *text == "persistent") {
+  if (is_persistent(set)) {
     for (const string_view key : {"shape", "size_2", "aspect", "rotation", "sides"}) {
       if (set.has(key)) set.note(key, "has no meaning for persistent joints", "remove it");
     }

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "cleave/core/nearest.hpp"
+#include "cleave/core/special.hpp"
 #include "cleave/scene3d/key_tables.hpp"
 #include "context.hpp"
 
@@ -88,23 +91,43 @@ std::optional<Law> parse_law(const TableReader& owner, string_view key) {
   return law;
 }
 
-/// The law in its own type, whose limits stand where the scene states none.
+/// Where a normal law has a tail beyond a limit that nobody stated: joints get more than `mean` then.
+void note_tail(const TableReader& owner, string_view key, const Law& law, double lowest) {
+  if (law.kind != Kind::normal || law.min || !(*law.std > 0)) return;
+  constexpr double seldom = 0.02;
+  const double limit = (lowest - *law.mean) / *law.std;
+  const double below = special::normal_cdf(limit);
+  if (below < seldom) return;
+  const double density = std::exp(-limit * limit / 2) / std::sqrt(2 * std::numbers::pi);
+  owner.note(
+      key,
+      fmt::format("{:.2g} % of this normal law lie below {:g} and are drawn again: the values drawn are {:.3g} on "
+                  "average, not {:g}",
+                  100 * below, lowest, *law.mean + *law.std * density / (1 - below), *law.mean),
+      fmt::format("a lognormal law keeps the mean and stays above 0; min = {:g} says that the tail is to be cut",
+                  lowest));
+}
+
+/// The law in its own type, whose limits are those of `own` where the scene states none.
 template <class Own>
-std::optional<Own> own_law(const std::optional<Law>& law) {
+std::optional<Own> own_law(const TableReader& owner, string_view key, Own own = {}) {
+  const std::optional<Law> law = parse_law(owner, key);
   if (!law) return std::nullopt;
-  Own own;
+  // Laws of positive numbers begin at 0.
+  if (law->kind == Kind::lognormal || law->kind == Kind::exponential) own.min = std::max(own.min, 0.0);
   own.kind = law->kind;
   own.mean = law->mean.value_or(own.mean);
   own.std = law->std.value_or(0.0);
   own.min = law->min.value_or(own.min);
   own.max = law->max.value_or(own.max);
+  note_tail(owner, key, *law, own.min);
   return own;
 }
 
 Stated parse_one(const TableReader& table) {
   Stated stated{parse_friction(table, "friction"),
-                own_law<StressLaw>(parse_law(table, "cohesion")),
-                own_law<StressLaw>(parse_law(table, "tension")),
+                own_law<StressLaw>(table, "cohesion"),
+                own_law<StressLaw>(table, "tension"),
                 table.number("friction_cohesion_correlation"),
                 table.number("jrc"),
                 table.number("jcs"),
@@ -207,18 +230,11 @@ const KeyTable& rock_keys() {
 }
 
 std::optional<FrictionLaw> parse_friction(const TableReader& owner, string_view key) {
-  return own_law<FrictionLaw>(parse_law(owner, key));
+  return own_law<FrictionLaw>(owner, key);
 }
 
 std::optional<NumberLaw> parse_number_law(const TableReader& owner, string_view key, double min, double max) {
-  const auto stated = parse_law(owner, key);
-  auto law = own_law<NumberLaw>(stated);
-  if (!law) return law;
-  // Laws of positive numbers begin at 0.
-  const bool positive = law->kind == Kind::lognormal || law->kind == Kind::exponential;
-  law->min = stated->min.value_or(positive ? std::max(min, 0.0) : min);
-  law->max = stated->max.value_or(max);
-  return law;
+  return own_law<NumberLaw>(owner, key, {.min = min, .max = max});
 }
 
 void parse_properties(Context& context, const TableReader& root) {

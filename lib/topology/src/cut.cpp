@@ -37,6 +37,11 @@ std::vector<detail::Ending> endings_of(const detail::Gaps& gaps) {
 
 }  // namespace
 
+std::optional<CutError> refusal_of(const CutInput& input) {
+  auto prepared = detail::prepare(input);
+  return prepared ? std::nullopt : std::optional{std::move(prepared).error()};
+}
+
 std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOptions& options) {
   using namespace detail;
   const ThreadLimit threads{std::max(1U, options.threads)};
