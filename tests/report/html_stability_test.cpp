@@ -16,6 +16,7 @@
 #include "cleave/report/key_blocks.hpp"
 #include "hand_made.hpp"
 #include "html.hpp"
+#include "html_table.hpp"
 #include "motion.hpp"
 #include "view3d.hpp"
 
@@ -102,6 +103,67 @@ TEST(HtmlStability, EachKeyBlockTellsItsFacesItsForcesAndWhyItMoves) {
   EXPECT_EQ(count(faces.substr(0, faces.find("</table>")), "<tr><td>"), 6U);
   EXPECT_EQ(count(faces, "slides on it"), 1U);
   EXPECT_EQ(count(faces, "opens"), 1U);  // the lid: the block moves straight down
+}
+
+// By itself it stays: its forces say nothing, its group does.
+TEST(HtmlStability, BlocksOfAGroupPointToIt) {
+  Tunnel t;
+  stability::Judgement& j = t.analysis.judgements[1];
+  j.mode = stability::Mode::stable;
+  j.key = true;
+  j.factor_of_safety = 0.849;
+  t.result.key_groups = stability::KeyGroups{.groups = {{.batch = 1,
+                                                         .verdict = assembly::Verdict::unsafe,
+                                                         .blocks = {topology::BlockId{7U}, topology::BlockId{9U}}}}};
+  t.result.group_support = stability::GroupSupport{.below = *t.result.key_groups, .left = {}};
+  const auto block = [&] {
+    const std::string why = section(report_html(t.page), "why");
+    return why.substr(why.find("<details id=\"why-7\""));
+  };
+  EXPECT_TRUE(block().contains("does not move by itself; it moves in a group of 2 blocks"));
+  EXPECT_TRUE(block().contains("Factor of safety of the group 0.849"));
+  EXPECT_TRUE(block().contains("in a group, factor 0.849"));
+  EXPECT_FALSE(block().contains("it stays"));
+  EXPECT_FALSE(block().contains("Driving force"));
+  EXPECT_EQ(count(block(), "aria-label=\"Forces on the block\""), 0U);
+  const auto cell = [&](std::string_view column) {
+    const std::string csv = key_blocks_csv(t.complex, t.result);
+    std::istringstream lines{csv};
+    std::string head, row;
+    std::getline(lines, head);
+    while (std::getline(lines, row) && !row.starts_with("7,")) {
+    }
+    std::istringstream names{head}, cells{row};
+    std::string name, value;
+    while (std::getline(names, name, ',') && std::getline(cells, value, ',') && name != column) {
+    }
+    return value;
+  };
+  EXPECT_EQ(cell("group_supported"), "held");
+  EXPECT_EQ(cell("held_by_supported"), "see its group");
+  EXPECT_EQ(cell("factor_of_safety_supported"), "");
+  t.result.group_support->left = *t.result.key_groups;
+  EXPECT_EQ(cell("group_supported"), "not_held");
+  EXPECT_TRUE(block().contains("not_held"));
+  t.result.group_support->left.groups[0].verdict = assembly::Verdict::in_doubt;
+  EXPECT_EQ(cell("group_supported"), "in_doubt");
+  t.result.group_support.reset();
+  EXPECT_EQ(cell("group_supported"), "");
+  EXPECT_EQ(cell("factor_of_safety_supported"), "0.849");
+}
+
+// Names of figures under a condition end with it, behind the unit.
+TEST(HtmlStability, ForcesPassedOnAreInKilonewtons) {
+  EXPECT_EQ(unit_of("net_force_n_transferred")->unit, "kN");
+  EXPECT_EQ(unit_of("required_pressure_pa_supported")->unit, "kPa");
+  EXPECT_EQ(unit_of("factor_of_safety_clamped"), nullptr);
+  EXPECT_EQ(heading_of("net_force_n_transferred"), "Net force transferred (kN)");
+  Tunnel t;
+  t.analysis.force_transfer = true;
+  for (stability::Judgement& j : t.analysis.judgements) {
+    j.transferred = stability::Transferred{.mode = j.mode, .key = true, .net = newtons(912e3)};
+  }
+  EXPECT_TRUE(section(report_html(t.page), "keys").contains(">912</td>"));
 }
 
 // With gravity aslant the weight has to be drawn along it: drawn straight down, the difference stood there as a load
@@ -306,7 +368,7 @@ TEST(HtmlStability, BoltsAreInTheView) {
   // Two bolts of six floats; the view's middle is (1.5, 1.5, 1.5), so the first collar is (-0.5, 0.5, 1.5).
   ASSERT_EQ(json["bolts"].get<std::string>().size(), 64U);
   EXPECT_EQ(json["bolts"].get<std::string>().substr(0, 16), "AAAAvwAAAD8AAMA/");
-  EXPECT_EQ(json["boltStatus"], "AAI=");
+  EXPECT_EQ(json["boltStatus"], "AAM=");
   EXPECT_EQ(json["boltServes"], "AwAAAP////8=");
   const std::string html = report_html(t.page);
   EXPECT_NE(html.find("data.bolts"), std::string::npos);             // and the page draws them

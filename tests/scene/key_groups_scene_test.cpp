@@ -465,6 +465,56 @@ std::string cabled_slab(double spacing, double offset, const std::string& stabil
          design;
 }
 
+// Neither block needs a bolt by itself; the group needs them, and whether it would do without one is not asked.
+TEST(KeyGroupsScene, BoltsOfAGroupAreNotCalledRedundant) {
+  const std::string short_ones =
+      "[[support.bolts]]\nat = [[8, 5, 34.3983397]]\ndirection = [0, 0, -1]\nlength = 0.2\ntendon = 100e3\nplate = 1e6\n"
+      "bond = 400e3\nanchorage = 0.5\n";
+  const RunResult result = run_of(cabled_slab(1, 0, "", short_ones));
+  ASSERT_TRUE(result.figures.support && result.figures.support->groups);
+  EXPECT_TRUE(result.figures.support->groups->all_held());
+  const std::vector<stability::BoltResult>& bolts = result.support->bolts;
+  ASSERT_GT(bolts.size(), 10U);
+  for (const stability::BoltResult& bolt : bolts) {
+    if (&bolt == &bolts.back()) continue;
+    ASSERT_EQ(bolt.status, stability::BoltStatus::group);
+    EXPECT_EQ(bolt.capacity, 100e3);
+    EXPECT_EQ(bolt.used, bolt.capacity);
+    EXPECT_EQ(bolt.limit, stability::BoltLimit::tendon);
+    const auto& blocks = result.group_support->below.groups.at(0).blocks;
+    EXPECT_TRUE(bolt.serves && std::ranges::binary_search(blocks, *bolt.serves));
+  }
+  EXPECT_EQ(bolts.back().status, stability::BoltStatus::no_block);
+  EXPECT_EQ(result.figures.support->bolts_of_groups, bolts.size() - 1);
+  EXPECT_EQ(result.figures.support->bolts_used, 0U);
+  const RunResult alone = run_of(cabled_slab(1, 0, "groups = \"off\"\n", ""));
+  EXPECT_EQ(alone.figures.support->bolts_of_groups, 0U);
+}
+
+// The slab (1) slides at a and pushes the toe (2) out at a cos 35 with P, friction m on all faces but the walls, which
+// nothing presses: m1 a = W1 sin 35 - P (cos 35 + m sin 35) - m N1, N1 = W1 cos 35 + P (sin 35 - m cos 35), and
+// m2 a cos 35 = P - m (W2 + m P).
+TEST(KeyGroupsScene, BlocksOfAGroupAreOutOfBalanceByTheirMassTimesAcceleration) {
+  const RunResult result = run_of(example("slab_behind_toe") + "groups = \"decide\"\ntarget = { sliding = 1.3 }\n");
+  ASSERT_EQ(result.figures.key_blocks->count, 2U);
+  EXPECT_EQ(result.figures.key_blocks->below_target, 2U);
+  const topology::BlockComplex& complex = result.complex->complex();
+  const auto mass = [&](const stability::Judgement& j) { return 2700 * complex.blocks()[j.block].volume.si(); };
+  const stability::Judgement *slab = nullptr, *toe = nullptr;
+  for (const stability::Judgement& j : result.analysis->judgements) {
+    if (j.key) (mass(j) > 2700 * 100 ? slab : toe) = &j;
+  }
+  ASSERT_TRUE(slab != nullptr && toe != nullptr);
+  const double c = std::cos(35 * std::numbers::pi / 180), s = std::sin(35 * std::numbers::pi / 180);
+  const double m = std::tan(30 * std::numbers::pi / 180), g = 9.81, m1 = mass(*slab), m2 = mass(*toe);
+  // From both: P as a line in a, put into the first.
+  const double per_a = m2 * c / (1 - m * m), at_rest = m * m2 * g / (1 - m * m);
+  const double push = c + m * s + m * (s - m * c);
+  const double a = (m1 * g * (s - m * c) - at_rest * push) / (m1 + per_a * push);
+  EXPECT_NEAR(slab->net.si(), m1 * a, 1e-6 * m1 * a);
+  EXPECT_NEAR(toe->net.si(), m2 * a * c, 1e-6 * m1 * a);
+}
+
 // No block needs support, so that block by block the widest pattern does; together they take one that holds the group
 // at every place tried, each run as a scene of its own, and the next wider one that the search tried does not.
 TEST(KeyGroupsScene, TheSearchForAPatternHoldsThem) {

@@ -411,9 +411,18 @@ TEST(SupportTest, SecondStepFindsBlocksThatSlideTogether) {
   EXPECT_FALSE(both.bolts[0].body.has_value());
   EXPECT_EQ(both.bolts[1].body, 0U);
   EXPECT_NEAR(both.bolts[1].body_used, needed, 1e-3);
+  // Either of the two would do for the front block. The body does not do without the deep one, unless there is another.
+  EXPECT_EQ(both.bolts[0].status, BoltStatus::redundant);
+  EXPECT_EQ(both.bolts[1].status, BoltStatus::holds);
+  Bolt beside = strong_deep;
+  beside.collar = slope.at(13, 1.5, 2);
+  for (const BoltResult& one : check_support(slope.complex, with, a, plan_with({bolt, strong_deep, beside})).bolts) {
+    EXPECT_EQ(one.status, BoltStatus::redundant);
+  }
   strong_deep.type.tendon = newtons(0.9 * needed);
   const auto weak = check_support(slope.complex, with, a, plan_with({bolt, strong_deep}));
   EXPECT_FALSE(weak.combined[0].passes);
+  EXPECT_EQ(weak.bolts[1].status, BoltStatus::holds);
   EXPECT_LT(weak.combined[0].factor_with_support.value(), 1);
 }
 

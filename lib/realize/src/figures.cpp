@@ -13,8 +13,9 @@
 namespace cleave::scene {
 namespace {
 
-/// Whether a judged block has less than its target.
+/// Whether a judged block has less than its target; what moves only together with others, or turns, has.
 bool below(const stability::Judgement& judgement, const Targets& target) {
+  if (judgement.key && !stability::moves(judgement.mode)) return true;
   const bool free = judgement.mode == stability::Mode::falling || judgement.mode == stability::Mode::lifting;
   return stability::moves(judgement.mode) && judgement.factor_of_safety < (free ? target.falling : target.sliding);
 }
@@ -137,6 +138,7 @@ SupportFigures count_support(const stability::SupportResult& support) {
   }
   for (const stability::BoltResult& bolt : support.bolts) {
     f.bolts_used += bolt.status == stability::BoltStatus::holds ? 1U : 0U;
+    f.bolts_of_groups += bolt.status == stability::BoltStatus::group ? 1U : 0U;
     f.bolts_redundant += bolt.status == stability::BoltStatus::redundant ? 1U : 0U;
     f.bolts_too_short += bolt.status == stability::BoltStatus::too_short ? 1U : 0U;
   }

@@ -336,11 +336,13 @@ void Realizer::support_of_groups() {
   if (!made_.key_groups || made_.key_groups->too_many) return;
   const topology::BlockComplex& complex = made_.complex->complex();
   made_.group_support = groups_with_support(settings(complex), *made_.support, "");
+  if (made_.group_support) mark_bolts_of_groups(*made_.group_support, *made_.support);
   for (std::size_t k = 0; k < made_.support_cases.size(); ++k) {
     CaseSupport& load = made_.support_cases[k];
     const auto& loads = scene_->stability->cases[k].loads;
     load.groups = groups_with_support(of_detail(settings_on(complex, *scene_, made_, loads)), load.support,
                                       "load case " + load.name + ": ");
+    if (load.groups) mark_bolts_of_groups(*load.groups, load.support);
   }
 }
 

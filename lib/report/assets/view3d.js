@@ -59,8 +59,8 @@ const view3d = (function () {
   layers.wall.renderOrder = 1; layers.rest.renderOrder = 3; lines.picked.renderOrder = lines.arrows.renderOrder = 9;
   Object.values(layers).concat(Object.values(lines)).forEach(function (o) { o.frustumCulled = false; scene.add(o); });
   // ---- bolts ------------------------------------------------------------------------------------------------------
-  const boltNames = ['hold', 'redundant', 'too short', 'in compression', 'serve no block', 'off the rock'];
-  const boltColours = ['#009E73', '#56B4E9', '#D55E00', '#CC79A7', '#9aa1a8', '#B8A800'];
+  const boltNames = ['hold', 'pull at groups of blocks', 'redundant', 'too short', 'in compression', 'serve no block', 'off the rock'];
+  const boltColours = ['#009E73', '#0072B2', '#56B4E9', '#D55E00', '#CC79A7', '#9aa1a8', '#B8A800'];
   const bolts = data.bolts ? new Float32Array(bytes(data.bolts)) : null;
   const boltStatus = bolts ? new Uint8Array(bytes(data.boltStatus)) : null;
   const boltServes = bolts ? new Uint32Array(bytes(data.boltServes)) : null;

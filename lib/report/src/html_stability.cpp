@@ -141,15 +141,22 @@ std::string support_section(const Page& page) {
   const scene::SupportFigures& f = *page.figures().support;
   std::string out =
       "<section id=\"support\"><h2>Support</h2>\n<p>" + support_verdict(f, page.figures().support_cases) + " " +
-      display_count(f.blocks) + " blocks need support: " + display_count(f.held_by_bolts) + " held by bolts, " +
-      display_count(f.held_by_shotcrete) + " by shotcrete, " + display_count(f.held_by_both) + " by both together, " +
-      display_count(f.not_held) + " not held. " + display_count(f.bolts) + " bolts (" + display_count(f.spot_bolts) +
-      " spot bolts): " + display_count(f.bolts_used) + " needed, " + display_count(f.bolts_redundant) + " redundant, " +
-      display_count(f.bolts_too_short) + " too short. " + display_count(f.combined) +
-      " bodies stitched together by bolts, " + display_count(f.combined_failing) + " of them below their target.";
+      display_count(f.blocks) + " blocks need support by themselves: " + display_count(f.held_by_bolts) +
+      " held by bolts, " + display_count(f.held_by_shotcrete) + " by shotcrete, " + display_count(f.held_by_both) +
+      " by both together, " + display_count(f.not_held) + " not held. " + display_count(f.bolts) + " bolts (" +
+      display_count(f.spot_bolts) + " spot bolts): " + display_count(f.bolts_used) + " needed, " +
+      (f.groups ? display_count(f.bolts_of_groups) + " more pull at groups of blocks, " : "") +
+      display_count(f.bolts_redundant) + " redundant, " + display_count(f.bolts_too_short) + " too short. " +
+      display_count(f.combined) + " bodies stitched together by bolts, " + display_count(f.combined_failing) +
+      " of them below their target.";
   if (page.result.tunnel_length) {
     out += " Required force: " + display(f.required_force_n / page.result.tunnel_length->si() / 1000, 3) +
-           " kN per metre of tunnel.";
+           " kN per metre of tunnel, for blocks by themselves.";
+  }
+  if (f.groups && f.groups->count > 0) {
+    out += " <b>" + display_count(f.groups->count) +
+           " groups of blocks need support together</b>: " + display_count(f.groups->not_held) + " not held, " +
+           display_count(f.groups->in_doubt) + " in doubt.";
   }
   out += "</p>\n" + pressure_table(f.pressures) + blocks_table(*page.result.support) +
          combined_table(*page.result.support) + supported_groups_table(page.result);

@@ -22,14 +22,25 @@ constexpr std::array<ShownUnit, 11> units{{{"_n_per_m", "kN/m", 1e-3},
                                            {"_s", "s", 1},
                                            {"_j", "kJ", 1e-3}}};
 
-std::string_view bare_name(std::string_view name) {
-  const ShownUnit* const unit = unit_of(name);
-  if (unit != nullptr && unit->suffix.starts_with('_')) name.remove_suffix(unit->suffix.size());
+/// Of one figure under several conditions these come last, behind the unit: "net_force_n_transferred".
+constexpr std::array<std::string_view, 3> conditions{"_transferred", "_supported", "_clamped"};
+
+/// The condition that a name ends with, or nothing.
+std::string_view condition_of(std::string_view name) {
+  const auto* const found = std::ranges::find_if(conditions, [&](std::string_view c) { return name.ends_with(c); });
+  return found != conditions.end() ? *found : std::string_view{};
+}
+
+std::string_view without_condition(std::string_view name) {
+  name.remove_suffix(condition_of(name).size());
   return name;
 }
 
 std::string words_of(std::string_view name) {
-  std::string words{bare_name(name)};
+  std::string words{without_condition(name)};
+  const ShownUnit* const unit = unit_of(name);
+  if (unit != nullptr && unit->suffix.starts_with('_')) words.resize(words.size() - unit->suffix.size());
+  words += condition_of(name);
   std::ranges::replace(words, '_', ' ');
   if (!words.empty()) words.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(words.front())));
   return words;
@@ -42,6 +53,7 @@ std::string class_of(const Shown& column) {
 }  // namespace
 
 const ShownUnit* unit_of(std::string_view name) {
+  name = without_condition(name);
   const auto* const found = std::ranges::find_if(units, [&](const ShownUnit& u) { return name.ends_with(u.suffix); });
   return found != units.end() ? found : nullptr;
 }

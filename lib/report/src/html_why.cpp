@@ -104,7 +104,24 @@ std::string vector_text(Vec3 v) {
   return "(" + display(v.x, 3) + ", " + display(v.y, 3) + ", " + display(v.z, 3) + ")";
 }
 
+/// Neither falls, slides nor turns by itself.
+bool moves_only_in_group(const stability::Judgement& j) {
+  return j.key && !stability::moves(j.mode) && !(j.rotation && j.rotation->turns);
+}
+
+std::string sentence_of_group(const Page& page, const stability::Judgement& j) {
+  const auto& groups = page.result.key_groups;
+  std::size_t blocks = 0;
+  for (const stability::KeyGroup& group : groups ? groups->groups : std::vector<stability::KeyGroup>{}) {
+    if (std::ranges::binary_search(group.blocks, j.block)) blocks = group.blocks.size();
+  }
+  return "Block " + std::to_string(j.block.value()) + " does not move by itself; it moves in a group of " +
+         display_count(blocks) + " blocks, direction " + vector_text(j.direction) + ", out of balance by " +
+         display(j.net.si() / 1000) + " kN. Factor of safety of the group " + display(j.factor_of_safety, 3) + ".";
+}
+
 std::string sentence(const Page& page, const stability::Judgement& j) {
+  if (moves_only_in_group(j)) return sentence_of_group(page, j);
   const topology::BlockComplex& complex = *page.complex;
   std::string out = "Block " + std::to_string(j.block.value()) + " can leave its place in ";
   out += j.cone_dimension == 3   ? "a solid cone of directions"
@@ -320,8 +337,10 @@ std::string facts_of(const Page& page, const stability::Judgement& j) {
                 {"extent_m", "Largest extent", 3},
                 {"sets", "Joint sets"}},
                row);
-  out += fact("Driving force", display(j.driving.si() / 1000, 4) + " kN");
-  out += fact("Resistance", display(j.resistance.si() / 1000, 4) + " kN");
+  if (!moves_only_in_group(j)) {
+    out += fact("Driving force", display(j.driving.si() / 1000, 4) + " kN");
+    out += fact("Resistance", display(j.resistance.si() / 1000, 4) + " kN");
+  }
   out += facts({{"factor_of_safety", {}, 3}}, row);
   if (row.supported != nullptr) {
     out += facts({{"factor_with_support", "With support", 3}, {"target", {}, 3}, {"held_by"}},
@@ -329,6 +348,7 @@ std::string facts_of(const Page& page, const stability::Judgement& j) {
     if (row.supported->missing_force > 0)
       out += facts({{"missing_force_n", "Missing"}}, SupportBlockRow{"", *row.supported});
   }
+  if (row.group_supported) out += fact("Its group, with support", std::string{*row.group_supported});
   return detail::facts_table(out);
 }
 
@@ -356,16 +376,19 @@ std::string why_section(const Page& page) {
     const stability::Judgement& j = *keys[i];
     const std::string number = std::to_string(j.block.value());
     out += "<details id=\"why-" + number + "\"><summary>Block " + number +
-           (j.batch ? ", batch " + std::to_string(*j.batch) : "") + ": " + std::string{stability::name(j.mode)} +
-           ", factor " + display(j.factor_of_safety, 3) + ", " +
-           display(page.complex->blocks()[j.block].volume.si(), 3) + " m³</summary>\n<p>" + sentence(page, j) +
-           "</p>\n<div class=\"columns\">" + facts_of(page, j) + "<figure class=\"one-block\">" +
-           block_picture(*page.complex, j) +
+           (j.batch ? ", batch " + std::to_string(*j.batch) : "") + ": " +
+           (moves_only_in_group(j) ? "in a group" : std::string{stability::name(j.mode)}) + ", factor " +
+           display(j.factor_of_safety, 3) + ", " + display(page.complex->blocks()[j.block].volume.si(), 3) +
+           " m³</summary>\n<p>" + sentence(page, j) + "</p>\n<div class=\"columns\">" + facts_of(page, j) +
+           "<figure class=\"one-block\">" + block_picture(*page.complex, j) +
            "<figcaption>from the side of its free faces (grey); green: the way it moves</figcaption></figure></div>\n" +
-           "<div class=\"columns three\"><figure>" + force_arrows(page, j) +
-           "<figcaption>forces</figcaption></figure><figure>" + block_net(page, j, Net::equal_area) +
-           "<figcaption>equal area</figcaption></figure><figure>" + block_net(page, j, Net::equal_angle) +
-           "<figcaption>equal angle</figcaption></figure></div>\n" + face_table(page, j);
+           "<div class=\"columns three\">" +
+           // Of forces between the blocks of a group none is shown.
+           (moves_only_in_group(j) ? std::string{}
+                                   : "<figure>" + force_arrows(page, j) + "<figcaption>forces</figcaption></figure>") +
+           "<figure>" + block_net(page, j, Net::equal_area) + "<figcaption>equal area</figcaption></figure><figure>" +
+           block_net(page, j, Net::equal_angle) + "<figcaption>equal angle</figcaption></figure></div>\n" +
+           face_table(page, j);
     const auto row = std::ranges::find(page.result.sensitivity, j.block, &stability::Sensitivity::block);
     if (row != page.result.sensitivity.end()) {
       const std::string drawing = tornado(*row);

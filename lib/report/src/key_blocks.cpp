@@ -29,6 +29,14 @@ const Row* row_of(const std::vector<Row>& rows, topology::BlockId block) {
   return found != rows.end() && found->block == block ? &*found : nullptr;
 }
 
+/// Of the block's group below the target; empty: it is in none.
+std::optional<std::string_view> held_in_group(const stability::GroupSupport& groups, topology::BlockId block) {
+  const auto group = std::ranges::find_if(
+      groups.below.groups, [&](const stability::KeyGroup& g) { return std::ranges::binary_search(g.blocks, block); });
+  if (group == groups.below.groups.end()) return std::nullopt;
+  return held_word(groups.left_of(*group));
+}
+
 }  // namespace
 
 KeyBlockRow key_block_row(const topology::BlockComplex& complex, const scene::RunResult& result,
@@ -41,6 +49,7 @@ KeyBlockRow key_block_row(const topology::BlockComplex& complex, const scene::Ru
                   .parts = parts_of(result),
                   .supported = result.support ? row_of(result.support->blocks, j.block) : nullptr,
                   .clamped = result.field_stress ? row_of(result.field_stress->blocks, j.block) : nullptr};
+  if (result.group_support) row.group_supported = held_in_group(*result.group_support, j.block);
   row.place = scene::place_of(result, complex, j.block, row.joints);
   for (const scene::SetId set : row.place.sets) row.sets.push_back(result.sets[set].name);
   return row;
@@ -65,7 +74,7 @@ std::string load_cases_csv(const topology::BlockComplex& complex, const scene::R
   CsvTable table{LoadCaseRow{"", no_judgement}};
   for_each_case(result, [&](std::string_view name, const stability::Analysis& analysis) {
     for (const stability::Judgement& j : analysis.judgements) {
-      if (stability::moves(j.mode)) table.add(LoadCaseRow{name, j, complex.blocks()[j.block].volume.si()});
+      if (stability::moves(j.mode) || j.key) table.add(LoadCaseRow{name, j, complex.blocks()[j.block].volume.si()});
     }
   });
   return std::move(table).text();

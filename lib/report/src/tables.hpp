@@ -33,6 +33,7 @@ struct KeyBlockRow {
   std::vector<topology::JointId> joints = {};
   TableParts parts = {};
   const stability::SupportedBlock* supported = nullptr;
+  std::optional<std::string_view> group_supported = {};  ///< "held", ...: of its group below the target
   const scene::ClampedBlock* clamped = nullptr;
   scene::BlockPlace place = {};
   std::vector<std::string> sets = {};
@@ -71,19 +72,29 @@ void transferred_fields(V& v, const stability::Judgement& j) {
   v("lost_n_transferred", t.lost, "old name of `untransferred_n`; goes with the next version");
 }
 
+/// What support leaves of a group: the worst verdict on its blocks with it; empty: none moves.
+[[nodiscard]] constexpr std::string_view held_word(std::optional<assembly::Verdict> left) {
+  return !left ? "held" : *left == assembly::Verdict::in_doubt ? "in_doubt" : "not_held";
+}
+
 template <class V>
-void supported_fields(V& v, const stability::Judgement& j, const stability::SupportedBlock* b) {
-  // Of a later batch: it stays when the first one is held. Otherwise it needs nothing.
+void supported_fields(V& v, const stability::Judgement& j, const stability::SupportedBlock* b,
+                      std::optional<std::string_view> group) {
+  // Of a later batch: it stays when the first one is held. Otherwise it needs nothing by itself.
   const std::string_view held = b != nullptr              ? name(b->held)
+                                : group                   ? "see its group"
                                 : j.batch && *j.batch > 1 ? "held by earlier batches"
                                                           : "none needed";
   const std::optional<double> factor = b == nullptr ? std::optional{j.factor_of_safety} : b->factor_with_support;
   const stability::SupportedBlock none{.block = topology::BlockId{0U}};
   const stability::SupportedBlock& s = b != nullptr ? *b : none;
-  v("held_by_supported", held, "`[support]`: what holds the block");
+  v("held_by_supported", held, "`[support]`: what holds the block by itself");
+  v("group_supported", group,
+    "its group of blocks, where that is below its target: `held`, `not_held` or `in_doubt`; empty: in none, or groups "
+    "were not judged");
   v("bolts_supported", s.bolts, "how many bolts");
   v("mobilised_share_supported", s.mobilised, "share of their capacity that the target takes; empty where none does");
-  v("factor_of_safety_supported", factor, "with all support: at the target exactly where the block is held");
+  v("factor_of_safety_supported", when(b != nullptr || !group, factor), "with all support: at the target exactly where the block is held");
   v("missing_force_n_supported", s.missing_force, "what the block lacks to its target");
   v("required_force_n_supported", s.required_force, "least single force that gives the target");
   v("required_pressure_pa_supported", s.required_pressure, "the same as a pressure on its free faces");
@@ -131,13 +142,16 @@ void fields(V& v, const KeyBlockRow& x) {
   v("block", x.j.block, "number from 0, as in `blocks.vtu`");
   v("batch", x.j.batch, "when it leaves, from 1; empty for a block that stays");
   v("key", x.j.key, "1 when unstable");
-  v("mode", name(x.j.mode), "`falling`, `lifting`, `sliding`, `wedge`");
+  v("mode", name(x.j.mode),
+    "`falling`, `lifting`, `sliding`, `wedge`; `stable`, `tapered`: not by itself, but with its group, or it topples");
   v("volume_m3", x.volume_m3);
   v("weight_n", x.j.weight);
   v("direction_x", x.j.direction.x, "unit vector of first motion");
   v("direction_y", x.j.direction.y);
   v("direction_z", x.j.direction.z);
-  v("net_force_n", x.j.net, "driving force less resistance: positive when unstable");
+  v("net_force_n", x.j.net,
+    "driving force less resistance: positive when unstable; of a block that moves only in its group what is out of "
+    "balance, mass times acceleration");
   v("factor_of_safety", x.j.factor_of_safety, "`inf` when nothing drives the block");
   v("faces", x.faces, "how many faces the block has");
   v("joints", x.joints, "numbers of the joints it touches, joined by `;`");
@@ -149,7 +163,7 @@ void fields(V& v, const KeyBlockRow& x) {
       "block that translation moves");
     v("turns", topples, "old name of `topples`; goes with the next version");
   }
-  if (x.parts.support) supported_fields(v, x.j, x.supported);
+  if (x.parts.support) supported_fields(v, x.j, x.supported, x.group_supported);
   if (x.parts.field_stress) clamped_fields(v, x.clamped);
   place_fields(v, x.place, x.sets);
 }
@@ -188,11 +202,14 @@ void fields(V& v, const BoltRow& x) {
   v("z", x.b.bolt.collar.z);
   direction_fields(v, x.b.bolt.direction, "direction_x", "direction_y", "direction_z");
   v("length_m", x.b.bolt.length.si());
-  v("status", name(x.b.status), "whether it holds a block, is redundant, too short or pierces nothing");
+  v("status", name(x.b.status),
+    "`holds` a block or stitched body that needs it; `group`: of these none does, but it pulls at a group of blocks "
+    "that "
+    "needs support; `redundant`, `too short`, `compression`, `no block`, `off the rock`");
   v("limit", when(x.b.capacity > 0, name(x.b.limit)), "what its capacity is limited by");
   v("serves", x.b.serves, "the block that takes most of it");
   v("capacity_n", x.b.capacity, "at the joint behind that block, tension and shear");
-  v("used_n", x.b.used);
+  v("used_n", x.b.used, "of it; of a bolt of a group all: its share was not asked");
   v("blocks", x.blocks,
     "blocks it goes through, with the metres from the collar at which it enters and leaves each (`12:0-1.5;7:1.5-3`)");
   v("kind", stability::bolt_kind_names.at(x.b.bolt.type.kind.index()));
@@ -329,11 +346,7 @@ void fields(V& v, const SupportedGroupRow& x) {
   v("batch", x.g.batch, "in whose state without support it was found, from 1");
   v("without", assembly::name(x.g.verdict),
     "verdict at strengths over the target without support: `certain`, `unsafe`, `in_doubt` or `no_motion_found`");
-  v("with",
-    !x.left                                  ? std::string_view{"held"}
-    : *x.left == assembly::Verdict::in_doubt ? std::string_view{"in_doubt"}
-                                             : std::string_view{"not_held"},
-    "`held`, `not_held` or `in_doubt`, with the support at the target");
+  v("with", held_word(x.left), "`held`, `not_held` or `in_doubt`, with the support at the target");
   blocks_fields(v, x.g);
   motion_fields(v, x.g);
   v("load_case", x.load_case, "name of the `[[load]]` it misses its target in; empty: the base case");

@@ -69,8 +69,12 @@ std::vector<BoltPull> pulls_of(const BoltResult& bolt, const OwnerOf& owner) {
       const bool anchored = (near.plate || anchors(type, before)) && anchors(type, behind);
       if (!anchored || near.body == deep.body) continue;
       const auto crossed = std::span{tendon}.subspan(i, j - i);
-      const double force = std::min({near.capacity, deep.capacity, std::ranges::min(crossed)});
+      const double steel = std::ranges::min(crossed);
+      const double force = std::min({near.capacity, deep.capacity, steel});
       if (!(force > 0)) continue;
+      const BoltLimit limit = force == steel           ? BoltLimit::tendon
+                              : force == deep.capacity ? BoltLimit::anchor
+                                                       : BoltLimit::head;
       near.capacity -= force;
       deep.capacity -= force;
       for (double& left : crossed) left -= force;
@@ -81,7 +85,8 @@ std::vector<BoltPull> pulls_of(const BoltResult& bolt, const OwnerOf& owner) {
                      .leaves = near.to,
                      .held = near.plate ? *near.plate : middle_of_grip(near),
                      .anchored = middle_of_grip(deep),
-                     .force = newtons(force)});
+                     .force = newtons(force),
+                     .limit = limit});
     }
   };
   for (const bool moves : {true, false}) {

@@ -144,6 +144,30 @@ std::optional<assembly::Verdict> GroupSupport::left_of(const KeyGroup& group) co
   return worst;
 }
 
+void mark_bolts_of_groups(const GroupSupport& groups, SupportResult& support) {
+  std::vector<BlockId> members;
+  for (const KeyGroup& group : groups.below.groups) {
+    members.insert(members.end(), group.blocks.begin(), group.blocks.end());
+  }
+  std::ranges::sort(members);
+  const OwnerOf owner = [&](BlockId id) -> std::optional<std::optional<std::uint32_t>> {
+    const auto at = std::ranges::lower_bound(members, id);
+    if (at == members.end() || *at != id) return std::optional<std::uint32_t>{};
+    return static_cast<std::uint32_t>(at - members.begin());
+  };
+  for (BoltResult& bolt : support.bolts) {
+    if (bolt.status == BoltStatus::holds || bolt.status == BoltStatus::off) continue;
+    const std::vector<BoltPull> pulls = pulls_of(bolt, owner);
+    if (pulls.empty()) continue;
+    const BoltPull& most = *std::ranges::max_element(pulls, {}, [](const BoltPull& p) { return p.force.si(); });
+    bolt.status = BoltStatus::group;
+    bolt.serves = most.body ? most.block : most.behind;
+    bolt.capacity = bolt.used = most.force.si();
+    bolt.limit = most.limit;
+    bolt.angle = 0;  // of its pull
+  }
+}
+
 void add_held_together(const topology::AuditedComplex& audited, const Settings& settings, const Analysis& analysis,
                        const KeyGroups& groups, DomainHeld& held, const Together& most) {
   const topology::BlockComplex& complex = audited.complex();
@@ -181,6 +205,9 @@ void decide_by_groups(const topology::AuditedComplex& complex, const Settings& s
       it->factor_of_safety = std::min(it->factor_of_safety, group.least_factor());
       const geometry::Vec3 velocity = group.rates[k].velocity;
       if (norm(velocity) > 0) it->direction = normalized(velocity);
+      // What is out of balance: of a block by itself the same.
+      const Force net = newtons(settings.rock.density().si() * block.volume.si() * norm(velocity));
+      it->net = std::max(it->net, net);
       while (analysis.batches.size() < group.batch) {
         analysis.batches.push_back({.number = static_cast<std::uint32_t>(analysis.batches.size() + 1)});
       }

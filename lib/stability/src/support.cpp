@@ -372,10 +372,10 @@ class Check final {
     return !complex_->blocks()[id].fixed && (!plan_->key_only || needy_[id] != none);
   }
 
-  /// A bolt that leaves a body, and what it can carry there, N.
+  /// A bolt that leaves a body, and what it does for it there, N.
   struct Leaving {
     std::uint32_t bolt;
-    double capacity;
+    Vec3 force;
   };
 
   /// What bolts that leave a body can do for it: each its capacity where it leaves.
@@ -392,7 +392,7 @@ class Check final {
       if (held.force == Vec3{}) continue;  // its motion would shorten it
       help.force += held.force;
       entry.bolt_force += norm(held.force);
-      leaving.push_back({number, norm(held.force)});
+      leaving.push_back({number, held.force});
       ++entry.bolts;
     }
     return help;
@@ -415,7 +415,11 @@ class Check final {
     entry.passes = least.has_value();
     for (const Leaving& held : leaving) {
       BoltResult& bolt = result_.bolts[held.bolt];
-      const double used = held.capacity * entry.mobilised.value_or(1);
+      if (bolt.status != BoltStatus::holds &&
+          (!entry.passes || !least_share(*body, {.force = help.force - held.force}, *settings_))) {
+        bolt.status = BoltStatus::holds;
+      }
+      const double used = norm(held.force) * entry.mobilised.value_or(1);
       if (bolt.body && bolt.body_used >= used) continue;
       bolt.body = result_.combined.size();
       bolt.body_used = used;

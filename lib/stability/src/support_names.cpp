@@ -11,6 +11,7 @@ namespace cleave::stability {
 std::string_view name(BoltStatus status) noexcept {
   switch (status) {
     case BoltStatus::holds: return "holds";
+    case BoltStatus::group: return "group";
     case BoltStatus::redundant: return "redundant";
     case BoltStatus::too_short: return "too short";
     case BoltStatus::compression: return "compression";

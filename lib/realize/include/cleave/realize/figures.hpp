@@ -377,7 +377,8 @@ struct SupportFigures {
     return block_by_block && groups_judged != GroupsJudged::too_many && (!groups || groups->all_held());
   }
   std::uint64_t blocks = 0, held_by_bolts = 0, held_by_shotcrete = 0, held_by_both = 0, not_held = 0;
-  std::uint64_t bolts = 0, spot_bolts = 0, bolts_used = 0, bolts_redundant = 0, bolts_too_short = 0;
+  std::uint64_t bolts = 0, spot_bolts = 0, bolts_used = 0, bolts_of_groups = 0, bolts_redundant = 0,
+                bolts_too_short = 0;
   std::uint64_t combined = 0, combined_failing = 0;
   double required_force_n = 0, largest_required_pressure_pa = 0, missing_force_n = 0;
   /// Blocks with less free face than `spot_area`.
@@ -433,19 +434,22 @@ void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_
   v("passes_every_stage",
     when(x.failing_stages.has_value(), x.passes() && x.failing_stages && x.failing_stages->empty()),
     "so it is when all is excavated and after each stage, with what is installed by then");
-  v("blocks", x.blocks, "blocks below their target without support");
+  v("blocks", x.blocks, "blocks that by themselves are below their target without support");
   v("held_by_bolts", x.held_by_bolts);
   v("held_by_shotcrete", x.held_by_shotcrete);
   v("held_by_both", x.held_by_both, "neither bolts nor shotcrete alone, both together");
   v("not_held", x.not_held);
   v("bolts", x.bolts);
   v("spot_bolts", x.spot_bolts);
-  v("bolts_used", x.bolts_used);
+  v("bolts_used", x.bolts_used, "that a block, or a stitched body, does not do without");
+  v("bolts_of_groups", x.bolts_of_groups,
+    "beside them: that pull at a group of blocks below its target; whether it would do without was not asked");
   v("bolts_redundant", x.bolts_redundant);
   v("bolts_too_short", x.bolts_too_short);
   v("combined_blocks", x.combined);
   v("combined_failing", x.combined_failing);
-  v("required_force_n", or_null(x.required_force_n), "sum over blocks of the least single force; null: none is enough");
+  v("required_force_n", or_null(x.required_force_n),
+    "sum over these blocks of the least single force, nothing for groups; null: none is enough");
   v("required_force_reason", when(!std::isfinite(x.required_force_n), "no single force is enough for a block"));
   v("required_force_n_per_metre",
     when(tunnel_length.has_value(), or_null(x.required_force_n / tunnel_length.value_or(metres(1)).si())), "of tunnel");

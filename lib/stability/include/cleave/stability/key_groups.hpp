@@ -120,5 +120,9 @@ struct GroupSupport {
 [[nodiscard]] GroupSupport check_groups(const topology::AuditedComplex& complex, const Settings& settings,
                                         const SupportPlan& plan, const SupportResult& support, KeyGroups below,
                                         const Together& most = most_together);
+/// Makes bolts that no single block or stitched body needs those of a group, where they pull at blocks of one that is
+/// below its target, held or not: whether it would do without one of them is not asked, so that none of them counts as
+/// redundant. `groups` is of this support.
+void mark_bolts_of_groups(const GroupSupport& groups, SupportResult& support);
 
 }  // namespace cleave::stability

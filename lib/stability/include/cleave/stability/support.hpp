@@ -122,8 +122,9 @@ struct SupportPlan {
 [[nodiscard]] std::optional<std::string> problem_of(const SupportPlan& plan);
 
 enum class BoltStatus : std::uint8_t {
-  holds,        ///< serves a block that needs it
-  redundant,    ///< every block it serves reaches its target without it
+  holds,        ///< serves a block, or holds a stitched body, that needs it
+  group,        ///< no such block or body needs it, but it ties blocks of a group that needs support
+  redundant,    ///< every block and body it serves reaches its target without it
   too_short,    ///< gripped less than the anchorage in the block or behind it
   compression,  ///< only crosses blocks that would push it together
   no_block,     ///< crosses no block that needs support
@@ -141,10 +142,10 @@ struct BoltResult {
   bool spot = false;
   std::vector<Pierced> pierced = {};
   BoltStatus status = BoltStatus::no_block;
-  std::optional<topology::BlockId> serves = {};  ///< the block that needs most of it
+  std::optional<topology::BlockId> serves = {};  ///< the block that needs most of it; of a group's bolt one it pulls at
   BoltLimit limit = BoltLimit::tendon;
   double capacity = 0;  ///< N at the joint behind the block served, tension and shear
-  double used = 0;      ///< N, mobilised share of it
+  double used = 0;      ///< N, mobilised share of it; of a group's bolt all of it: its share was not asked
   double angle = 0;     ///< degrees between its axis and the movement of the block served; 0: pure tension
   /// The combined body that it holds to the rock outside (index into `combined`), and the share of its capacity there
   /// that this takes, N. Of several bodies the one that takes most.
@@ -159,6 +160,7 @@ struct BoltPull {
   double leaves = 0;                ///< where it leaves `block`
   double held = 0, anchored = 0;    ///< at the plate, else amid its grip; amid its grip farther in
   Force force = {};                 ///< along the axis
+  BoltLimit limit = BoltLimit::tendon;
 };
 /// To which body a block belongs. Empty: it is not there any more; empty within: it stays.
 using OwnerOf = std::function<std::optional<std::optional<std::uint32_t>>(topology::BlockId)>;
