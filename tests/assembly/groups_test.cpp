@@ -38,6 +38,79 @@ TEST(Verdicts, FactorsFarApartAreInDoubt) {
   EXPECT_EQ(judge(ploughing(e1).made()).verdict, Verdict::no_motion_found);
 }
 
+// Contacts in another order, seen from their other blocks, points and bonds in another order and all numbers with other
+// roundings: the same assembly to the last bit.
+TEST(CanonicalAssembly, NumbersAndRoundingsDoNotShow) {
+  Rng rng{{.seed = 7, .realization = 0, .purpose = 1, .index = 0}};
+  const auto any = [&] { return Vec3{20 * rng.uniform() + 5e5, 20 * rng.uniform(), 20 * rng.uniform()}; };
+  AssemblySpec spec;
+  for (int b = 0; b < 6; ++b) {
+    spec.bodies.push_back({.centroid = any(),
+                           .force = {0, 0, -1e5 * rng.uniform()},
+                           .moment = {1e5 * rng.uniform(), 0, 1},
+                           .mass = 1e4 * rng.uniform(),
+                           .inertia = {3e4, 4e4 * (1 + rng.uniform()), 5e4, 100 * rng.uniform(), 7, 9}});
+  }
+  for (std::uint32_t c = 0; c < 12; ++c) {
+    Contact contact{
+        .body = c % 6, .normal = normalized(any() - Vec3{5e5, 9, 9}), .points = {any(), any(), any(), any()}};
+    if (c % 4 != 0) contact.other = (c + 1 + c % 3) % 6;
+    contact.friction = rng.uniform();
+    const std::vector<Vec3>& p = contact.points;
+    contact.bonds = {{.corners = {p[0], p[1], p[2]}, .cohesion = 1e5 * rng.uniform(), .tension = 1e4},
+                     {.corners = {p[0], p[2], p[3]}, .cohesion = 1e5 * rng.uniform(), .tension = 2e4}};
+    contact.most = 1e9 * rng.uniform();
+    spec.contacts.push_back(contact);
+  }
+  AssemblySpec other = spec;
+  const auto jitter = [&](double& x) { x *= 1 + 1e-15 * (rng.uniform() - 0.5); };
+  const auto jitter_all = [&](Vec3& v) {
+    v += 1e-13 * (any() - Vec3{5e5, 0, 0});  // of coordinates in the thousands of metres
+    v -= 1e-12 * Vec3{1, 1, 1};
+  };
+  for (Body& body : other.bodies) {
+    jitter_all(body.centroid);
+    body.force += 1e-12 * Vec3{rng.uniform(), rng.uniform(), rng.uniform()};
+    jitter(body.mass);
+    for (double& i : body.inertia) i += 1e-11 * rng.uniform();
+  }
+  for (Contact& contact : other.contacts) {
+    if (contact.other && rng.uniform() < 0.5) {
+      std::swap(contact.body, *contact.other);
+      contact.normal = -contact.normal;
+      std::ranges::reverse(contact.points);
+    }
+    std::ranges::rotate(contact.points, contact.points.begin() + 2);
+    std::ranges::reverse(contact.bonds);
+    for (Vec3& p : contact.points) jitter_all(p);
+    for (Bond& bond : contact.bonds) jitter(bond.cohesion);
+    for (double* x : {&contact.friction, &contact.most}) jitter(*x);
+  }
+  std::ranges::reverse(other.contacts);
+  const Assembly a = Assembly::make(spec).value().canonical(), b = Assembly::make(other).value().canonical();
+  for (std::size_t k = 0; k < a.bodies().size(); ++k) {
+    const Body &one = a.bodies()[k], &two = b.bodies()[k];
+    EXPECT_EQ(one.centroid, two.centroid);
+    EXPECT_EQ(one.force, two.force);
+    EXPECT_EQ(one.moment, two.moment);
+    EXPECT_EQ(one.mass, two.mass);
+    EXPECT_EQ(one.inertia, two.inertia);
+    EXPECT_LT(norm(one.centroid - spec.bodies[k].centroid), 1e-8);
+    EXPECT_NEAR(one.mass, spec.bodies[k].mass, 1e-9 * one.mass);
+  }
+  for (std::size_t k = 0; k < a.contacts().size(); ++k) {
+    const Contact &one = a.contacts()[k], &two = b.contacts()[k];
+    EXPECT_EQ(one.body, two.body);
+    EXPECT_EQ(one.other, two.other);
+    EXPECT_EQ(one.normal, two.normal);
+    EXPECT_EQ(one.points, two.points);
+    EXPECT_EQ(one.friction, two.friction);
+    EXPECT_EQ(one.most, two.most);
+    ASSERT_EQ(one.bonds.size(), two.bonds.size());
+    for (std::size_t i = 0; i < one.bonds.size(); ++i) EXPECT_EQ(one.bonds[i].cohesion, two.bonds[i].cohesion);
+  }
+}
+
 TEST(KeyGroups, TellGroupsFromWhatHolds) {
   Builder b = toe(true);
   const std::uint32_t holds = b.block({0, 0, -50}, 50);

@@ -465,10 +465,54 @@ std::string cabled_slab(double spacing, double offset, const std::string& stabil
          design;
 }
 
+// Rock round a tunnel in which Coulomb's law has several solutions: by the numbers of the joints, searches came by
+// others, and 12 m3 moved in one order of them and not in another.
+TEST(KeyGroupsScene, OrdersOfJointsChangeNothing) {
+  struct Joint {
+    const char* through;
+    double dip, direction;
+  };
+  std::vector<Joint> joints{
+      {"4.853290089795668, 7.020648930419694, 6.526002030740794", 48.573936568399674, 84.88309301544737},
+      {"10.936063948806353, 8.801068667801015, 5.673663983638699", 76.76461483594335, 195.14811048488988},
+      {"5.64265043116996, 8.627891578297536, 6.732655624641116", 52.501903271110734, 305.0854875235379},
+      {"15.703753524558593, 8.933662616034121, 12.015465007582446", 38.95726512216462, 85.2053806932464},
+      {"8.327457667553503, 15.630467367368933, 7.116345294560935", 77.59066914720778, 207.1273415873247},
+      {"10.224097336415397, 10.880260765584941, 6.795878264369514", 56.622840899587274, 293.4309386733066},
+      {"11.183533027132343, 9.063415163809015, 8.180997011958382", 36.965735347593714, 83.26614609615103},
+      {"12.617484585340806, 7.366543500057825, 11.953178903027283", 76.18186769156195, 215.251718745066},
+      {"13.052708423313616, 4.500854365390387, 13.724715557749043", 41.681731674349805, 305.4916132832219},
+  };
+  const auto groups = [&] {
+    std::string text = "[domain]\nbox = { min = [0, 0, 0], max = [20, 20, 20] }\n";
+    for (const Joint& j : joints) {
+      text += fmt::format("[[joint]]\nplane = {{ through = [{}], dip = {}, dip_direction = {} }}\n", j.through, j.dip,
+                          j.direction);
+    }
+    const RunResult result =
+        run_of(text +
+               "[[excavation]]\nkind = \"tunnel\"\naxis = [[10, -1, 10], [10, 21, 10]]\n"
+               "section = { shape = \"horseshoe\", width = 5, height = 5 }\n[joints.default]\nfriction = 35\n"
+               "cohesion = 0\n[rock]\ndensity = 2700\n[stability]\n");
+    std::vector<std::string> out;
+    for (const stability::KeyGroup& g : result.key_groups->groups) {
+      out.push_back(fmt::format("{} {} {:.6g} {:.3g} {:.3g}", g.batch, assembly::name(g.verdict), g.volume.si(),
+                                g.factor_up, g.factor_move));
+    }
+    std::ranges::sort(out);
+    return out;
+  };
+  const std::vector<std::string> as_given = groups();
+  EXPECT_GE(as_given.size(), 3U);
+  std::ranges::reverse(joints);
+  EXPECT_EQ(groups(), as_given);
+}
+
 // Neither block needs a bolt by itself; the group needs them, and whether it would do without one is not asked.
 TEST(KeyGroupsScene, BoltsOfAGroupAreNotCalledRedundant) {
   const std::string short_ones =
-      "[[support.bolts]]\nat = [[8, 5, 34.3983397]]\ndirection = [0, 0, -1]\nlength = 0.2\ntendon = 100e3\nplate = 1e6\n"
+      "[[support.bolts]]\nat = [[8, 5, 34.3983397]]\ndirection = [0, 0, -1]\nlength = 0.2\ntendon = 100e3\nplate = "
+      "1e6\n"
       "bond = 400e3\nanchorage = 0.5\n";
   const RunResult result = run_of(cabled_slab(1, 0, "", short_ones));
   ASSERT_TRUE(result.figures.support && result.figures.support->groups);

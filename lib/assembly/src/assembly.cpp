@@ -107,6 +107,95 @@ Assembly Assembly::with(Freedom freedom) const {
   return Assembly{std::move(spec)};
 }
 
+namespace {
+
+Vec3 middle(std::span<const Vec3> points) {
+  Vec3 sum;
+  for (const Vec3 p : points) sum += p;
+  return sum / static_cast<double>(points.size());
+}
+
+/// Numbers of about `size` to ten digits: what depends on the order of sums falls away. Multiples of a power of two.
+class Digits final {
+ public:
+  explicit Digits(double size) : unit_{size > 0 ? std::ldexp(1.0, std::ilogb(size) - 33) : 0} {}
+  void round(double& x) const {
+    if (unit_ > 0) x = unit_ * std::round(x / unit_);
+  }
+  void round(Vec3& v) const {
+    for (double* x : {&v.x, &v.y, &v.z}) round(*x);
+  }
+
+ private:
+  double unit_;
+};
+
+void round_number(double& x) {
+  if (std::isfinite(x)) Digits{std::abs(x)}.round(x);
+}
+
+void round_body(Body& body, const Digits& places, double extent) {
+  const double load = std::max(norm(body.force), norm(body.moment) / extent);
+  places.round(body.centroid);
+  Digits{load}.round(body.force);
+  Digits{load * extent}.round(body.moment);
+  round_number(body.mass);
+  const Digits inertia{body.inertia[0] + body.inertia[1] + body.inertia[2]};
+  for (double& i : body.inertia) inertia.round(i);
+}
+
+void round_contact(Contact& contact, const Digits& places) {
+  for (Vec3& p : contact.points) places.round(p);
+  round_number(contact.friction);
+  round_number(contact.most);
+  for (Bond& bond : contact.bonds) {
+    for (Vec3& p : bond.corners) places.round(p);
+    round_number(bond.cohesion);
+    round_number(bond.tension);
+  }
+}
+
+/// Seen from the body that lies first, points round from the first of them.
+void put_in_order(Contact& contact, const std::vector<Body>& bodies) {
+  const auto place = [&](std::uint32_t b) { return along_generic(bodies[b].centroid); };
+  if (contact.other && place(*contact.other) < place(contact.body)) {
+    std::swap(contact.body, *contact.other);
+    contact.normal = -contact.normal;
+    std::ranges::reverse(contact.points);
+  }
+  if (!contact.is_tie()) {
+    std::ranges::rotate(contact.points, std::ranges::min_element(contact.points, {}, geometry::along_generic));
+  }
+  std::ranges::stable_sort(contact.bonds, {}, [](const Bond& b) { return along_generic(middle(b.corners)); });
+}
+
+}  // namespace
+
+Assembly Assembly::canonical() const {
+  struct Placed {
+    std::pair<double, double> place;
+    Contact contact;
+  };
+  geometry::Box box;
+  for (const Body& body : spec_.bodies) box.add(body.centroid);
+  for (const Contact& contact : spec_.contacts) box.grow(geometry::box_of(contact.points));
+  const double extent = spec_.bodies.empty() ? 1 : norm(box.size());
+  const Digits places{extent};
+  AssemblySpec spec{.freedom = spec_.freedom, .bodies = spec_.bodies};
+  for (Body& body : spec.bodies) round_body(body, places, extent > 0 ? extent : 1);
+  std::vector<Placed> placed;
+  for (const Contact& contact : spec_.contacts) {
+    Contact& own = placed.emplace_back(Placed{{}, contact}).contact;
+    round_contact(own, places);
+    put_in_order(own, spec.bodies);
+    const Vec3 at = own.is_tie() ? middle(own.bonds.front().corners) : middle(own.points);
+    placed.back().place = {along_generic(at), along_generic(own.normal)};
+  }
+  std::ranges::stable_sort(placed, {}, &Placed::place);
+  for (Placed& p : placed) spec.contacts.push_back(std::move(p.contact));
+  return Assembly{std::move(spec)};
+}
+
 std::vector<std::vector<std::uint32_t>> connected_parts(const Assembly& assembly, std::span<const std::uint8_t> among) {
   return linked_parts(assembly.contacts(), among);
 }

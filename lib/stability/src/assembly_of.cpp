@@ -81,6 +81,8 @@ std::vector<Vec3> hull(const std::vector<Vec3>& points, Vec3 normal) {
   std::vector<Vec3> corners;
   for (const Flat& p : out) corners.push_back(points[p.from]);
   if (corners.empty()) corners.push_back(points[0]);
+  // Bonds fan out from the first, whichever block the patch is seen from.
+  std::ranges::rotate(corners, std::ranges::min_element(corners, {}, geometry::along_generic));
   return corners;
 }
 

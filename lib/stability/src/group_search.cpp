@@ -5,6 +5,7 @@
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <ranges>
 #include <unordered_set>
 #include <utility>
 
@@ -48,12 +49,13 @@ assembly::Group without(const assembly::Group& group, const std::vector<std::uin
   return out;
 }
 
+/// What is found must not hang on the numbers of joints.
 assembly::Assembly with_contacts(const assembly::Assembly& assembly, std::vector<assembly::Contact> more) {
   assembly::AssemblySpec spec{assembly.freedom(), assembly.bodies(), assembly.contacts()};
   std::ranges::move(more, std::back_inserter(spec.contacts));
   auto made = assembly::Assembly::make(std::move(spec));
   CLEAVE_ASSERT(made.has_value());
-  return *std::move(made);
+  return made->canonical();
 }
 
 class Search final {
@@ -134,6 +136,7 @@ class Search final {
 
  private:
   [[nodiscard]] const topology::BlockComplex& complex() const noexcept { return model_.complex(); }
+  [[nodiscard]] double place_of(BlockId id) const { return along_generic(complex().blocks()[id].centroid); }
   /// May be moved: a block that is known in part only is taken to stay.
   [[nodiscard]] bool may_move(BlockId id, std::uint32_t batch) const {
     const topology::Block& block = complex().blocks()[id];
@@ -268,7 +271,10 @@ class Search final {
   /// Blocks at rest that the tips of moving ones push along, in doubt: whether they do depends on forces at edges and
   /// corners that have no area yet, all of them together or one by one.
   void add_pushed(std::vector<KeyGroup>& found, const std::vector<BlockId>& blocks, std::uint32_t batch) {
-    const std::vector<KeyGroup> all = found;
+    std::vector<KeyGroup> all = found;
+    std::ranges::sort(all, {}, [&](const KeyGroup& group) {
+      return std::ranges::min(group.blocks | std::views::transform([&](BlockId id) { return place_of(id); }));
+    });
     for (const KeyGroup& group : all) {
       if (group.verdict == Verdict::in_doubt) continue;
       std::vector<BlockId> around;
@@ -292,6 +298,7 @@ class Search final {
         doubt(found, touched, batch);
         continue;
       }
+      std::ranges::sort(touched, {}, [&](BlockId id) { return place_of(id); });
       for (const BlockId id : touched) {
         if (!in_one_of(found, id)) look_pushed(found, group, {id}, blocks, batch);
       }
@@ -384,7 +391,8 @@ class Search final {
 
   assembly::Assembly assembly_with_ties(const std::vector<BlockId>& blocks, std::uint32_t batch) {
     assembly::Assembly bare = assembly_of(model_, blocks, batch);
-    return ties_ == nullptr ? bare : with_contacts(bare, ties_->among(model_, blocks, batch));
+    return with_contacts(bare,
+                         ties_ == nullptr ? std::vector<assembly::Contact>{} : ties_->among(model_, blocks, batch));
   }
 
   std::vector<KeyGroup> groups_of(const std::vector<BlockId>& blocks, std::uint32_t batch) {
