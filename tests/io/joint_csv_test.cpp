@@ -90,6 +90,19 @@ TEST(JointCsvTest, ColumnsInAnyOrderAndEverySize) {
   EXPECT_EQ(t.notes[2], "1 of 3 joints has no size (the first in line 6): it goes through the whole domain");
 }
 
+TEST(JointCsvTest, RowsThatRepeatAnEarlierOneAreSaid) {
+  const std::string head = "dip,dip_direction,x,y,z,radius,friction,id\n";
+  const auto twice =
+      read(head + "60,30,1,2,3,4,30,a\n60,30,1,2,3.5,4,30,b\n60,30,1,2,3,4,35,c\n60,30,1,2,3,4,30,d\n").notes;
+  ASSERT_EQ(twice.size(), 2U);
+  EXPECT_EQ(twice[1], "2 rows repeat the joint of an earlier one (line 4 that of line 2): check them");
+  EXPECT_EQ(read(head + "60,30,1,2,3,4,30,a\n60,30,1,2,3,5,30,a\n").notes.size(), 1U);
+  // Of orientations alone many are the same.
+  JointCsvOptions anywhere;
+  anywhere.need_position = false;
+  EXPECT_EQ(read("dip,dip_direction\n60,30\n60,30\n", anywhere).notes.size(), 1U);
+}
+
 TEST(JointCsvTest, CellsWithoutASizeAreSaid) {
   const auto notes = [](const std::string& header, const std::string& rows) {
     return read("dip,dip_direction,x,y,z" + header + "\n" + rows).notes;

@@ -49,7 +49,7 @@ TEST(UnusualInputs, GravityIsThatOfAPlanet) {
   const auto with = [](const std::string& gravity) {
     return texts(joints_and_rock + strength + "[stability]\nfree = [\"top\"]\ngravity = " + gravity + "\n");
   };
-  EXPECT_EQ(with("0.981"), (Said{"stability.gravity is 0.981 m/s2, which is far from usual (1.5 to 1000)"}));
+  EXPECT_EQ(with("0.981"), (Said{"stability.gravity is 0.981 m/s2, which is far from usual (1.5 to 500)"}));
   EXPECT_EQ(with("9.81"), Said{});
   EXPECT_EQ(with("1.62"), Said{});
 }
@@ -150,6 +150,19 @@ TEST(UnusualInputs, JointsInMillimetres) {
       scene_of(with_box("[[joint_set]]\norientation = { dip = 40, dip_direction = 30 }\nsize = \"4000 mm\"\nintensity "
                         "= { p32 = 0.5 }\n"));
   EXPECT_TRUE(std::holds_alternative<dfn::Rectangle>(in_mm.joint_sets[0].law.spec().shape));
+}
+
+TEST(UnusualInputs, FactorsOnTheUnsafeSideAndNamesAlike) {
+  const auto with = [](const std::string& more) {
+    return texts(joints_and_rock + strength + "[stability]\nfree = [\"top\"]\n" + more);
+  };
+  EXPECT_EQ(with("partial = { friction = 1.25, cohesion = 1.6, weight = 1.35 }\n"), Said{});
+  EXPECT_EQ(
+      with("partial = { friction = 1.25, weight = 0.5 }\n"),
+      (Said{"stability.partial.weight is 0.5: weight is multiplied by it, so that one below 1 makes rock lighter"}));
+  EXPECT_EQ(with("gravity = 981\n").size(), 1U);
+  EXPECT_EQ(with("[[joint]]\nset = \"a\"\nplane = { through = [4, 4, 1], dip = 50, dip_direction = 90 }\n"),
+            (Said{"joints the sets \"A\" and \"a\" differ in case alone: they are two sets"}));
 }
 
 TEST(UnusualInputs, TailsBelowAnUnstatedLimit) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <map>
 #include <utility>
 
 #include "cleave/core/expected.hpp"
@@ -100,6 +101,7 @@ class TableReader final {
     if (!problems_.empty()) return std::unexpected(std::move(problems_));
     note_radians();
     note_endless();
+    note_repeated();
     return std::move(table_);
   }
 
@@ -300,6 +302,26 @@ class TableReader final {
     problem(row, column, ReadFault::out_of_range, fmt::format("{} is {}", name_of(column), *value),
             fmt::format("it must be {}", range));
     return std::nullopt;
+  }
+
+  /// Joints at one place that are the same: a slip of copying, where tables have places.
+  void note_repeated() {
+    if (!has(Column::x)) return;
+    std::map<std::string, std::uint32_t> seen;
+    std::size_t repeated = 0;
+    std::array<std::uint32_t, 2> first{};
+    for (const CsvTable::Row& row : csv_.rows) {
+      std::string joint;
+      for (std::size_t c = 0; c < index(Column::friction); ++c) {
+        joint += std::string{cell(row, static_cast<Column>(c))} + ';';
+      }
+      const auto [at, added] = seen.try_emplace(std::move(joint), row.line);
+      if (added) continue;
+      if (repeated++ == 0) first = {row.line, at->second};
+    }
+    if (repeated == 0) return;
+    table_.notes.push_back(fmt::format("{} {} the joint of an earlier one (line {} that of line {}): check them",
+                                       repeated, repeated == 1 ? "row repeats" : "rows repeat", first[0], first[1]));
   }
 
   /// Cells left blank where other joints have a size.

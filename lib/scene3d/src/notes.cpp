@@ -78,6 +78,22 @@ void note_sets_without_friction(const Scene& scene, const TableReader& root) {
             "add [joints.default] with friction, or a table for each of them");
 }
 
+/// Names that a reader takes for one.
+void note_sets_alike(const Scene& scene, const TableReader& root) {
+  const auto lower = [](std::string name) {
+    for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return name;
+  };
+  for (const SetId a : scene.sets.ids()) {
+    for (const SetId b : scene.sets.ids()) {
+      const std::string &one = scene.sets[a].name, &other = scene.sets[b].name;
+      if (!(a < b) || lower(one) != lower(other)) continue;
+      root.note("joints", fmt::format("the sets \"{}\" and \"{}\" differ in case alone: they are two sets", one, other),
+                "write one name where one set is meant");
+    }
+  }
+}
+
 /// Tables below all of the rock: a depth where a level is asked for.
 void note_dry_tables(const Scene& scene, const TableReader& root) {
   const geometry::Vec3 down = scene.stability->loads.body.gravity();
@@ -123,6 +139,7 @@ void find_notes(const Scene& scene, const TableReader& root) {
   if (scene.joints.empty() && scene.joint_sets.empty()) {
     problems.note(1, "joint", "there are no joints", "the rock stays one block unless excavations part it");
   }
+  note_sets_alike(scene, root);
   if (!scene.stability) {
     if (root.has("stability")) {
       problems.note(root.line_of("stability"), "stability", "nothing is free: no excavation and no free face",

@@ -91,6 +91,11 @@ stability::PartialFactors parse_partial(const TableReader& stability) {
           fmt::format("for {:g} times the strength set {:.4g}", factor, 1 / factor));
     }
   }
+  if (const double weight = table->value("weight"); weight < 1) {
+    table->note("weight",
+                fmt::format("is {:g}: weight is multiplied by it, so that one below 1 makes rock lighter", weight),
+                "that of an unfavourable load is 1 or more");
+  }
   const auto made =
       stability::PartialFactors::make(table->value("friction"), table->value("cohesion"), table->value("weight"));
   if (!made) stability.error("partial", describe(made.error()), "");

@@ -58,9 +58,9 @@ inline constexpr NumberRule stress{0, false, 1e15, false, " Pa"};
 inline constexpr NumberRule strength = NumberRule{0, false, 1e15, false, " Pa"}.usually(500, 1e7);
 inline constexpr NumberRule density = NumberRule{0, true, 1e5, false, " kg/m3"}.usually(500, 10000);
 inline constexpr NumberRule acceleration{-1e3, false, 1e3, false, " m/s2"};
-/// `of` for weight: that of the moon is the least usual one.
+/// `of` for weight: that of the moon is the least usual one, and in a centrifuge it is some 50 times that of the earth.
 constexpr NumberRule as_gravity(const NumberRule& of) noexcept {
-  return of.usually(1.5, 1e3, "that of the earth is 9.81; it is taken as it stands: check it");
+  return of.usually(1.5, 500, "that of the earth is 9.81; it is taken as it stands: check it");
 }
 inline constexpr NumberRule probability{0, false, 1, false, ""};
 inline constexpr NumberRule share{0, true, 1, false, ""};
