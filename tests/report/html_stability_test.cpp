@@ -154,8 +154,11 @@ TEST(HtmlStability, BlocksOfAGroupPointToIt) {
 
 // Names of figures under a condition end with it, behind the unit.
 TEST(HtmlStability, ForcesPassedOnAreInKilonewtons) {
-  EXPECT_EQ(unit_of("net_force_n_transferred")->unit, "kN");
-  EXPECT_EQ(unit_of("required_pressure_pa_supported")->unit, "kPa");
+  for (const auto& [name, unit] :
+       {std::pair{"net_force_n_transferred", "kN"}, {"required_pressure_pa_supported", "kPa"}}) {
+    ASSERT_NE(unit_of(name), nullptr);
+    EXPECT_EQ(unit_of(name)->unit, unit);
+  }
   EXPECT_EQ(unit_of("factor_of_safety_clamped"), nullptr);
   EXPECT_EQ(heading_of("net_force_n_transferred"), "Net force transferred (kN)");
   Tunnel t;

@@ -1,7 +1,11 @@
 #include "cleave/assembly/assembly.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
+#include <span>
+#include <tuple>
 #include <utility>
 
 #include "parts.hpp"
@@ -155,25 +159,42 @@ void round_contact(Contact& contact, const Digits& places) {
   }
 }
 
-/// Seen from the body that lies first, points round from the first of them.
-void put_in_order(Contact& contact, const std::vector<Body>& bodies) {
-  const auto place = [&](std::uint32_t b) { return along_generic(bodies[b].centroid); };
-  if (contact.other && place(*contact.other) < place(contact.body)) {
+/// Seen from the heavier body; points round from the one farthest from it, by its farther neighbour. Of equals, as they
+/// are where blocks are alike, places decide.
+void put_in_order(Contact& contact, const std::vector<Body>& bodies, const Digits& places) {
+  const auto weight = [&](std::uint32_t b) { return std::pair{bodies[b].mass, along_generic(bodies[b].centroid)}; };
+  if (contact.other && weight(contact.body) < weight(*contact.other)) {
     std::swap(contact.body, *contact.other);
     contact.normal = -contact.normal;
-    std::ranges::reverse(contact.points);
   }
-  if (!contact.is_tie()) {
-    std::ranges::rotate(contact.points, std::ranges::min_element(contact.points, {}, geometry::along_generic));
-  }
-  std::ranges::stable_sort(contact.bonds, {}, [](const Bond& b) { return along_generic(middle(b.corners)); });
+  std::vector<Vec3>& points = contact.points;
+  const auto reach = [&](Vec3 p) {
+    double far = norm(p - bodies[contact.body].centroid);
+    places.round(far);
+    return std::pair{far, along_generic(p)};
+  };
+  std::ranges::rotate(points, std::ranges::max_element(points, {}, reach));
+  if (points.size() > 2 && reach(points[1]) < reach(points.back()))
+    std::ranges::reverse(points.begin() + 1, points.end());
+  std::ranges::stable_sort(contact.bonds, std::ranges::greater{}, [](const Bond& b) {
+    return std::tuple{b.cohesion, b.tension, along_generic(middle(b.corners))};
+  });
+}
+
+/// What says which contact comes first: the largest and those of the heaviest bodies. None of it hangs on axes, but of
+/// equals, where places decide.
+using Rank = std::array<double, 5>;
+Rank rank_of(const Contact& contact, const std::vector<Body>& bodies) {
+  const Vec3 at = contact.is_tie() ? middle(contact.bonds.front().corners) : middle(contact.points);
+  return {contact.most, bodies[contact.body].mass, contact.other ? bodies[*contact.other].mass : 0, along_generic(at),
+          along_generic(contact.normal)};
 }
 
 }  // namespace
 
 Assembly Assembly::canonical() const {
   struct Placed {
-    std::pair<double, double> place;
+    Rank rank;
     Contact contact;
   };
   geometry::Box box;
@@ -187,11 +208,10 @@ Assembly Assembly::canonical() const {
   for (const Contact& contact : spec_.contacts) {
     Contact& own = placed.emplace_back(Placed{{}, contact}).contact;
     round_contact(own, places);
-    put_in_order(own, spec.bodies);
-    const Vec3 at = own.is_tie() ? middle(own.bonds.front().corners) : middle(own.points);
-    placed.back().place = {along_generic(at), along_generic(own.normal)};
+    put_in_order(own, spec.bodies, places);
+    placed.back().rank = rank_of(own, spec.bodies);
   }
-  std::ranges::stable_sort(placed, {}, &Placed::place);
+  std::ranges::stable_sort(placed, std::ranges::greater{}, &Placed::rank);
   for (Placed& p : placed) spec.contacts.push_back(std::move(p.contact));
   return Assembly{std::move(spec)};
 }
