@@ -94,7 +94,8 @@ void supported_fields(V& v, const stability::Judgement& j, const stability::Supp
     "were not judged");
   v("bolts_supported", s.bolts, "how many bolts");
   v("mobilised_share_supported", s.mobilised, "share of their capacity that the target takes; empty where none does");
-  v("factor_of_safety_supported", when(b != nullptr || !group, factor), "with all support: at the target exactly where the block is held");
+  v("factor_of_safety_supported", when(b != nullptr || !group, factor),
+    "with all support: at the target exactly where the block is held");
   v("missing_force_n_supported", s.missing_force, "what the block lacks to its target");
   v("required_force_n_supported", s.required_force, "least single force that gives the target");
   v("required_pressure_pa_supported", s.required_pressure, "the same as a pressure on its free faces");
