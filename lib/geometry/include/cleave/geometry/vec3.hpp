@@ -33,8 +33,8 @@ struct Vec3 {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 
-/// Where a point lies along a direction that is square to nothing likely: an order by it hangs on places, not on numbers
-/// or on coordinates that are equal but for rounding.
+/// Where a point lies along a direction that is square to nothing likely: an order by it hangs on places, not on
+/// numbers or on coordinates that are equal but for rounding.
 [[nodiscard]] constexpr double along_generic(Vec3 p) noexcept {
   return dot(p, {1, 0.7548776662466927, 0.5698402909980532});  // powers of 1 over the root of x^3 = x + 1
 }
