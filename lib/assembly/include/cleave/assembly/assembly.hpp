@@ -90,8 +90,8 @@ class Assembly final {
   /// The same blocks with other freedoms.
   [[nodiscard]] Assembly with(Freedom freedom) const;
   /// The same to ten digits, with contacts, their sides, points and bonds in an order that sizes decide, and places of
-  /// what is alike; bodies keep their numbers. Where Coulomb's law has several solutions the order of contacts, and roundings, decide
-  /// which of them a search comes by: not how blocks are numbered.
+  /// what is alike; bodies keep their numbers. Where Coulomb's law has several solutions the order of contacts, and
+  /// roundings, decide which of them a search comes by: not how blocks are numbered.
   [[nodiscard]] Assembly canonical() const;
 
  private:
