@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 #include "cases.hpp"
 #include "chains.hpp"
@@ -115,6 +116,13 @@ TEST(CanonicalAssembly, NumbersAndRoundingsDoNotShow) {
     ASSERT_EQ(one.bonds.size(), two.bonds.size());
     for (std::size_t i = 0; i < one.bonds.size(); ++i) EXPECT_EQ(one.bonds[i].cohesion, two.bonds[i].cohesion);
   }
+}
+
+TEST(CanonicalAssembly, NeedlesKeepTheirInertia) {
+  const std::array<double, 6> needle{2, 2, 1e-11, 0, 0, 0};
+  AssemblySpec spec;
+  spec.bodies.push_back({.centroid = {}, .force = {0, 0, -1}, .moment = {}, .mass = 1, .inertia = needle});
+  EXPECT_EQ(Assembly::make(spec).value().canonical().bodies()[0].inertia, needle);
 }
 
 TEST(KeyGroups, TellGroupsFromWhatHolds) {

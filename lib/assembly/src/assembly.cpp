@@ -122,7 +122,7 @@ Vec3 middle(std::span<const Vec3> points) {
 /// Numbers of about `size` to ten digits: what depends on the order of sums falls away. Multiples of a power of two.
 class Digits final {
  public:
-  explicit Digits(double size) : unit_{size > 0 ? std::ldexp(1.0, std::ilogb(size) - 33) : 0} {}
+  explicit Digits(double size) : unit_{size > 0 && std::isfinite(size) ? std::ldexp(1.0, std::ilogb(size) - 33) : 0} {}
   void round(double& x) const {
     if (unit_ > 0) x = unit_ * std::round(x / unit_);
   }
@@ -144,8 +144,11 @@ void round_body(Body& body, const Digits& places, double extent) {
   Digits{load}.round(body.force);
   Digits{load * extent}.round(body.moment);
   round_number(body.mass);
-  const Digits inertia{body.inertia[0] + body.inertia[1] + body.inertia[2]};
+  const std::array<double, 6> as_given = body.inertia;
+  const Digits inertia{as_given[0] + as_given[1] + as_given[2]};
   for (double& i : body.inertia) inertia.round(i);
+  // Of next to no inertia about an axis ten digits may leave none.
+  if (problem_of(body)) body.inertia = as_given;
 }
 
 void round_contact(Contact& contact, const Digits& places) {

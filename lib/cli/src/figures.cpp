@@ -81,14 +81,13 @@ std::string support_verdict(const scene::SupportFigures& support, const std::vec
 
 std::string support_lines(const scene::SupportFigures& support, const std::vector<scene::DesignResult>& designs,
                           const std::vector<scene::SupportCaseFigures>& cases) {
-  std::string text =
-      fmt::format("support      {}: ", support_verdict(support, cases)) +
-      say("{blocks} blocks by themselves below their target, {held_by_bolts} held by bolts, {held_by_shotcrete} by "
-          "shotcrete, "
-          "{held_by_both} by both, {not_held} not held\n"
-          "  {bolts} bolts, {combined_blocks} stitched bodies ({combined_failing} failing); required "
-          "by these blocks {required_force_n}, missing {missing_force_n}\n",
-          group([&](auto& v) { scene::support_fields(v, support, {}, designs, {}); }));
+  std::string text = fmt::format("support      {}: ", support_verdict(support, cases)) +
+                     say("{blocks} blocks by themselves below their target, {held_by_bolts} held by bolts, "
+                         "{held_by_shotcrete} by shotcrete, "
+                         "{held_by_both} by both, {not_held} not held\n"
+                         "  {bolts} bolts, {combined_blocks} stitched bodies ({combined_failing} failing); required "
+                         "by these blocks {required_force_n}, missing {missing_force_n}\n",
+                         group([&](auto& v) { scene::support_fields(v, support, {}, designs, {}); }));
   if (support.groups && support.groups->count > 0) {
     text += say("  {count} groups of blocks below their target, {not_held} not held, {in_doubt} in doubt\n",
                 *support.groups);

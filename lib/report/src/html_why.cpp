@@ -110,10 +110,12 @@ bool moves_only_in_group(const stability::Judgement& j) {
 }
 
 std::string sentence_of_group(const Page& page, const stability::Judgement& j) {
-  const auto& groups = page.result.key_groups;
   std::size_t blocks = 0;
-  for (const stability::KeyGroup& group : groups ? groups->groups : std::vector<stability::KeyGroup>{}) {
-    if (std::ranges::binary_search(group.blocks, j.block)) blocks = group.blocks.size();
+  if (page.result.key_groups) {
+    for (const stability::KeyGroup& group : page.result.key_groups->groups) {
+      const bool moves = group.verdict != assembly::Verdict::in_doubt;
+      if (moves && std::ranges::binary_search(group.blocks, j.block)) blocks = group.blocks.size();
+    }
   }
   return "Block " + std::to_string(j.block.value()) + " does not move by itself; it moves in a group of " +
          display_count(blocks) + " blocks, direction " + vector_text(j.direction) + ", out of balance by " +

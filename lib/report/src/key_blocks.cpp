@@ -29,12 +29,17 @@ const Row* row_of(const std::vector<Row>& rows, topology::BlockId block) {
   return found != rows.end() && found->block == block ? &*found : nullptr;
 }
 
-/// Of the block's group below the target; empty: it is in none.
+/// Of the block's groups below the target, the worst; empty: it is in none.
 std::optional<std::string_view> held_in_group(const stability::GroupSupport& groups, topology::BlockId block) {
-  const auto group = std::ranges::find_if(
-      groups.below.groups, [&](const stability::KeyGroup& g) { return std::ranges::binary_search(g.blocks, block); });
-  if (group == groups.below.groups.end()) return std::nullopt;
-  return held_word(groups.left_of(*group));
+  bool known = false;
+  std::optional<assembly::Verdict> worst;
+  for (const stability::KeyGroup& group : groups.below.groups) {
+    if (!std::ranges::binary_search(group.blocks, block)) continue;
+    known = true;
+    const std::optional<assembly::Verdict> left = groups.left_of(group);
+    if (left && (!worst || *left < *worst)) worst = left;
+  }
+  return known ? std::optional{held_word(worst)} : std::nullopt;
 }
 
 }  // namespace

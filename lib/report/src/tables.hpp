@@ -205,8 +205,7 @@ void fields(V& v, const BoltRow& x) {
   v("length_m", x.b.bolt.length.si());
   v("status", name(x.b.status),
     "`holds` a block or stitched body that needs it; `group`: of these none does, but it pulls at a group of blocks "
-    "that "
-    "needs support; `redundant`, `too short`, `compression`, `no block`, `off the rock`");
+    "that needs support; `redundant`, `too short`, `compression`, `no block`, `off the rock`");
   v("limit", when(x.b.capacity > 0, name(x.b.limit)), "what its capacity is limited by");
   v("serves", x.b.serves, "the block that takes most of it");
   v("capacity_n", x.b.capacity, "at the joint behind that block, tension and shear");

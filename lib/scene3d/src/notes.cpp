@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "cleave/core/overloaded.hpp"
@@ -84,13 +86,14 @@ void note_sets_alike(const Scene& scene, const TableReader& root) {
     for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     return name;
   };
-  for (const SetId a : scene.sets.ids()) {
-    for (const SetId b : scene.sets.ids()) {
-      const std::string &one = scene.sets[a].name, &other = scene.sets[b].name;
-      if (!(a < b) || lower(one) != lower(other)) continue;
-      root.note("joints", fmt::format("the sets \"{}\" and \"{}\" differ in case alone: they are two sets", one, other),
-                "write one name where one set is meant");
-    }
+  std::map<std::string, SetId> seen;
+  for (const SetId set : scene.sets.ids()) {
+    const auto [first, added] = seen.try_emplace(lower(scene.sets[set].name), set);
+    if (added) continue;
+    root.note("joints",
+              fmt::format("the sets \"{}\" and \"{}\" differ in case alone: they are two sets",
+                          scene.sets[first->second].name, scene.sets[set].name),
+              "write one name where one set is meant");
   }
 }
 
