@@ -17,8 +17,12 @@ TEST(Cases, SpinningPrismStops) {
   World w = world({floor(), body(prism(regular(6, 1), 0, 0.4), {}, {0, 0, 5})}, 0.3, {.step = 2e-3});
   ASSERT_TRUE(run(w, 0.2));
   EXPECT_NEAR((5 - w.spin(1).z) / 0.2, 7.0632, 0.01);
-  ASSERT_TRUE(run(w, 0.72));
+  // Evenly slower, to rest at 0.70789444 s and 1.7697361 rad.
+  ASSERT_TRUE(run(w, 0.7));
+  EXPECT_NEAR(w.spin(1).z, 7.0632 * 0.00789444, 2e-3);
+  ASSERT_TRUE(run(w, 0.712));
   EXPECT_LT(norm(w.spin(1)), 1e-6);
+  EXPECT_NEAR(angle_of(w.turn(1)), 1.7697361, 2e-3);
 }
 
 TEST(Cases, CornerHitsTheFloor) {
