@@ -93,7 +93,7 @@ TEST(JointCsvTest, ColumnsInAnyOrderAndEverySize) {
 TEST(JointCsvTest, RowsThatRepeatAnEarlierOneAreSaid) {
   const std::string head = "dip,dip_direction,x,y,z,radius,friction,id\n";
   const auto twice =
-      read(head + "60,30,1,2,3,4,30,a\n60,30,1,2,3.5,4,30,b\n60,30,1,2,3,4,35,c\n60,30,1,2,3,4,30,d\n").notes;
+      read(head + "60,30,1,2,3,4,30,a\n60,30,1,2,3.5,4,30,b\n60.0,30,1,2,3,4,35,c\n60,30,1,2,3,4,30,d\n").notes;
   ASSERT_EQ(twice.size(), 2U);
   EXPECT_EQ(twice[1], "2 rows repeat the joint of an earlier one (line 4 that of line 2): check them");
   EXPECT_EQ(read(head + "60,30,1,2,3,4,30,a\n60,30,1,2,3,5,30,a\n").notes.size(), 1U);

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
-#include <map>
 #include <utility>
 
 #include "cleave/core/expected.hpp"
@@ -15,6 +14,7 @@
 #include "cleave/core/units.hpp"
 #include "cleave/io/file.hpp"
 #include "csv_table.hpp"
+#include "joint_slips.hpp"
 #include "text.hpp"
 
 namespace cleave::io {
@@ -100,8 +100,10 @@ class TableReader final {
     }
     if (!problems_.empty()) return std::unexpected(std::move(problems_));
     note_radians();
-    note_endless();
-    note_repeated();
+    const bool sized = has(Column::radius) || has(Column::diameter) || has(Column::side_a);
+    for (auto& note : {sized ? note_on_endless(table_.rows) : std::nullopt, note_on_repeated(table_.rows)}) {
+      if (note) table_.notes.push_back(*note);
+    }
     return std::move(table_);
   }
 
@@ -302,41 +304,6 @@ class TableReader final {
     problem(row, column, ReadFault::out_of_range, fmt::format("{} is {}", name_of(column), *value),
             fmt::format("it must be {}", range));
     return std::nullopt;
-  }
-
-  /// Joints at one place that are the same: a slip of copying, where tables have places.
-  void note_repeated() {
-    if (!has(Column::x)) return;
-    std::map<std::string, std::uint32_t> seen;
-    std::size_t repeated = 0;
-    std::array<std::uint32_t, 2> first{};
-    for (const CsvTable::Row& row : csv_.rows) {
-      std::string joint;
-      for (std::size_t c = 0; c < index(Column::friction); ++c) {
-        joint += std::string{cell(row, static_cast<Column>(c))} + ';';
-      }
-      const auto [at, added] = seen.try_emplace(std::move(joint), row.line);
-      if (added) continue;
-      if (repeated++ == 0) first = {row.line, at->second};
-    }
-    if (repeated == 0) return;
-    table_.notes.push_back(fmt::format("{} {} the joint of an earlier one (line {} that of line {}): check them",
-                                       repeated, repeated == 1 ? "row repeats" : "rows repeat", first[0], first[1]));
-  }
-
-  /// Cells left blank where other joints have a size.
-  void note_endless() {
-    const bool sized = has(Column::radius) || has(Column::diameter) || has(Column::side_a);
-    std::size_t endless = 0;
-    const JointRow* first = nullptr;
-    for (const JointRow& row : table_.rows) {
-      if (!std::holds_alternative<Persistent>(row.size)) continue;
-      if (endless++ == 0) first = &row;
-    }
-    if (!sized || endless == 0) return;
-    table_.notes.push_back(fmt::format("{} of {} joints {} no size (the first in line {}): {} through the whole domain",
-                                       endless, table_.rows.size(), endless == 1 ? "has" : "have", first->line,
-                                       endless == 1 ? "it goes" : "they go"));
   }
 
   /// Angles without a unit, all small and not all whole, may be radians.

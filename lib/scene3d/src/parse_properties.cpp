@@ -103,7 +103,7 @@ void note_tail(const TableReader& owner, string_view key, const Law& law, double
       key,
       fmt::format("{:.2g} % of this normal law lie below {:g} and are drawn again: the values drawn are {:.3g} on "
                   "average, not {:g}",
-                  100 * below, lowest, *law.mean + *law.std * density / (1 - below), *law.mean),
+                  100 * below, lowest, *law.mean + *law.std * density / special::normal_cdf(-limit), *law.mean),
       fmt::format("a lognormal law keeps the mean and stays above 0; min = {:g} says that the tail is to be cut",
                   lowest));
 }
