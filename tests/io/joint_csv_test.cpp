@@ -55,6 +55,14 @@ TEST(JointCsvTest, FormulasComeBackAndControlCharactersDoNotGetIn) {
   const auto wrong = problems("x,y,z,dip,dip direction,set\n0,0,0,60,30,a\x1b[2J\n");
   EXPECT_EQ(wrong.front().line, 2U);
   EXPECT_EQ(wrong.front().what, "a cell holds control characters");
+  const auto latin = problems(
+      "x,y,z,dip,dip direction,set,site\n0,0,0,60,30,a,\xe4\n0,0,0,60,30,Kl\xfc"
+      "fte,\n");
+  ASSERT_EQ(latin.size(), 1U);
+  EXPECT_EQ(latin.front().line, 3U);
+  EXPECT_EQ(latin.front().what,
+            "\"Kl\xEF\xBF\xBD"
+            "fte\" is not UTF-8 text");
 }
 
 TEST(JointCsvTest, ColumnsInAnyOrderAndEverySize) {

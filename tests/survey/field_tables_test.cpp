@@ -8,6 +8,7 @@
 
 #include "cleave/field_data/survey_file.hpp"
 #include "cleave/geometry/orientation.hpp"
+#include "cleave/scene3d/scene.hpp"
 
 // Tables of orientations as field programs write them, against planes worked out by hand.
 
@@ -188,6 +189,56 @@ TEST(FieldTables, TablesOfShapeMetriX) {
   EXPECT_TRUE(notes[0].contains("3.5 degrees, which are not added")) << notes[0];
   EXPECT_TRUE(notes[1].contains("what follows the joints is not read")) << notes[1];
   EXPECT_TRUE(error_of(poles, "Units,furlong\nDip,Dip Direction\n1,2\n").contains("units: are \"furlong\""));
+}
+
+// What is read ends up in the file of sets that a scene includes: nothing may break out of its comments and texts.
+TEST(FieldTables, NamesAreTextAndFilesOfSetsCanBeRead) {
+  EXPECT_TRUE(error_of(poles,
+                       "dip,dip_direction,set\n60,120,a\x01"
+                       "b\n")
+                  .contains("t.csv:2: file: holds control"));
+  EXPECT_TRUE(
+      error_of(poles, "dip,dip_direction,set\n60,120,\xe4\n").contains("t.csv:2: set: \"\xEF\xBF\xBD\" is not"));
+  const std::string line = "[[scanline]]\ntrend = 0\nplunge = 0\nlength = 20\nfile = \"t.csv\"\n";
+  EXPECT_TRUE(error_of(line, "distance,dip,dip_direction,set\n1,60,120,\xe4\n").contains("is not UTF-8 text"));
+  const std::string table = "distance,dip,dip_direction,set\n1,60,120,\"a\\\" = \xC3\xA4\"\n2,61,121,b]#\n";
+  const auto survey = parse_survey(
+      line, "two\n[lines]\x7f\xff.toml",
+      [&](const std::string& name) -> std::expected<LoadedFile, FileRefusal> { return LoadedFile{table, name}; });
+  ASSERT_TRUE(survey.has_value());
+  const SetsFile sets = sets_file(*survey, survey::analyse(survey->input));
+  EXPECT_TRUE(sets.toml.starts_with("# Joint sets of two [lines] \xEF\xBF\xBD.toml (sha256")) << sets.toml;
+  const auto scene = parse(
+      "schema = 1\ninclude = [\"s.toml\"]\n[domain]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n", "scene.toml",
+      [&](const std::string& name) -> std::expected<LoadedFile, FileRefusal> { return LoadedFile{sets.toml, name}; });
+  ASSERT_TRUE(scene.has_value()) << describe(scene.error().front());
+}
+
+// Sets of which Fisher's law does not hold take their poles from a file each, whatever their names have in common.
+TEST(FieldTables, SetsOfLikeNamesHaveFilesOfTheirOwn) {
+  std::string table = "distance,dip,dip_direction,set\n";
+  // Two bunches of poles.
+  const auto bunches = [&](const std::string& name, int dip) {
+    for (int i = 0; i < 40; ++i) {
+      table += std::to_string(0.1 * i + 0.01) + "," + std::to_string(dip) + "," + (i % 2 == 0 ? "0" : "90") + "," +
+               name + "\n";
+    }
+  };
+  bunches("A 1", 40);
+  bunches("a-1", 70);
+  bunches("A_1", 55);
+  const auto survey = parsed("[[scanline]]\ntrend = 0\nplunge = 0\nlength = 20\nfile = \"t.csv\"\n", table);
+  ASSERT_TRUE(survey.has_value());
+  const SetsFile sets = sets_file(*survey, survey::analyse(survey->input));
+  ASSERT_EQ(sets.files.size(), 3U) << sets.toml;
+  std::map<std::string, std::string> by_name(sets.files.begin(), sets.files.end());
+  EXPECT_EQ(by_name.size(), 3U);
+  for (const auto& [name, dip] : std::map<std::string, double>{{"A 1", 40}, {"a-1", 70}, {"A_1", 55}}) {
+    const std::string after = sets.toml.substr(sets.toml.find("name = \"" + name + "\""));
+    const std::size_t at = after.find("file = \"") + 8;
+    const std::string& csv = by_name.at(after.substr(at, after.find('"', at) - at));
+    EXPECT_NEAR(std::stod(csv.substr(csv.find('\n') + 1)), dip, 1e-9) << name;
+  }
 }
 
 // A line that meets no joint is data; a table of orientations without any is none.

@@ -33,6 +33,53 @@ bool has_control_characters(std::string_view text) noexcept {
   return false;
 }
 
+std::size_t utf8_length(std::string_view text) noexcept {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned>(static_cast<unsigned char>(text[i])); };
+  const auto tail = [&](std::size_t i) { return i < text.size() && (byte(i) & 0xC0U) == 0x80U; };
+  const unsigned b = byte(0);
+  if (b < 0x80U) return 1;
+  if (b >= 0xC2U && b <= 0xDFU) return tail(1) ? 2 : 0;
+  if (b >= 0xE0U && b <= 0xEFU) {
+    if (!tail(1) || !tail(2)) return 0;
+    if (b == 0xE0U && byte(1) < 0xA0U) return 0;
+    if (b == 0xEDU && byte(1) > 0x9FU) return 0;  // surrogates
+    return 3;
+  }
+  if (b >= 0xF0U && b <= 0xF4U) {
+    if (!tail(1) || !tail(2) || !tail(3)) return 0;
+    if (b == 0xF0U && byte(1) < 0x90U) return 0;
+    if (b == 0xF4U && byte(1) > 0x8FU) return 0;
+    return 4;
+  }
+  return 0;
+}
+
+bool is_utf8(std::string_view text) noexcept {
+  while (!text.empty()) {
+    const std::size_t length = utf8_length(text);
+    if (length == 0) return false;
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
+std::string on_one_line(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    const std::size_t length = utf8_length(text);
+    const std::string_view one = text.substr(0, std::max<std::size_t>(length, 1));
+    if (length == 0) {
+      out += "\xEF\xBF\xBD";
+    } else if (one == "\t" || has_control_characters(one)) {
+      out += ' ';
+    } else {
+      out += one;
+    }
+    text.remove_prefix(one.size());
+  }
+  return out;
+}
+
 namespace {
 
 /// The whole of it, and within the range of a double.

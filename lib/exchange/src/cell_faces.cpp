@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "cleave/core/text.hpp"
 #include "cleave/core/version.hpp"
 #include "cleave/exchange/triangulate.hpp"
 
@@ -91,8 +92,7 @@ std::vector<std::string> names_of_cells(const Cells& cells) {
 }
 
 std::string header_of(std::string_view title) {
-  std::string text = "cleave " CLEAVE_VERSION "; scene: ";
-  for (const char c : title) text += c == '\n' || c == '\r' ? ' ' : c;
+  std::string text = "cleave " CLEAVE_VERSION "; scene: " + on_one_line(title);
   while (text.ends_with('\\') || text.ends_with('&') || text.ends_with(' '))
     text.pop_back();  // continue lines in places
   return text;

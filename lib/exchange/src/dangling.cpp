@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "cleave/core/text.hpp"
 #include "cleave/core/version.hpp"
 #include "cleave/exchange/text.hpp"
 #include "cleave/exchange/triangulate.hpp"
@@ -36,10 +37,8 @@ const topology::Dangling& dangling_of(const topology::BlockComplex& complex) {
 }
 
 std::string one_line(std::string_view text) {
-  std::string out{text};
-  for (char& c : out) {
-    if (c == '\n' || c == '\r' || c == '\\') c = ' ';
-  }
+  std::string out = on_one_line(text);
+  std::ranges::replace(out, '\\', ' ');
   return out;
 }
 

@@ -5,33 +5,13 @@
 #include <cmath>
 #include <system_error>
 
+#include "cleave/core/text.hpp"
+
 namespace cleave::report {
 namespace {
 
 constexpr std::string_view replacement = "\xEF\xBF\xBD";  // U+FFFD
 constexpr std::string_view thin_space = "\xE2\x80\x89";   // U+2009
-
-// Length in bytes of the well-formed UTF-8 sequence that `text` starts with; 0 when it is not one.
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned>(static_cast<unsigned char>(text[i])); };
-  const auto tail = [&](std::size_t i) { return i < text.size() && (byte(i) & 0xC0U) == 0x80U; };
-  const unsigned b = byte(0);
-  if (b < 0x80U) return 1;
-  if (b >= 0xC2U && b <= 0xDFU) return tail(1) ? 2 : 0;
-  if (b >= 0xE0U && b <= 0xEFU) {
-    if (!tail(1) || !tail(2)) return 0;
-    if (b == 0xE0U && byte(1) < 0xA0U) return 0;
-    if (b == 0xEDU && byte(1) > 0x9FU) return 0;  // surrogates
-    return 3;
-  }
-  if (b >= 0xF0U && b <= 0xF4U) {
-    if (!tail(1) || !tail(2) || !tail(3)) return 0;
-    if (b == 0xF0U && byte(1) < 0x90U) return 0;
-    if (b == 0xF4U && byte(1) > 0x8FU) return 0;
-    return 4;
-  }
-  return 0;
-}
 
 // Groups the digits before the decimal mark by three, from four digits... "1234" stays, "12 345" is grouped.
 std::string grouped(std::string_view digits) {

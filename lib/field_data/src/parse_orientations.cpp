@@ -98,9 +98,9 @@ class OrientationsParser final {
         normal = normal_of_row(context_, file, data, row, rules);
       }
       if (normal) {
+        const std::string name = set_of_row(context_, file, data, row, set.value_or(""));
         for (std::size_t i = quantity_of(context_, file, data, row); i > 0; --i) {
-          in_.orientations.push_back(
-              {*normal, set_of_row(data, row, set.value_or("")), met->line, met->window, met->outcrop});
+          in_.orientations.push_back({*normal, name, met->line, met->window, met->outcrop});
         }
         if (too_many(context_, file, in_)) return;
       }

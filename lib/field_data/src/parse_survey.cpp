@@ -174,12 +174,13 @@ class SurveyParser final {
       }
       if (at && oriented) normal = normal_of_row(context_, *file, *data, row, rules);
       const std::size_t times = at && (normal || !oriented) ? quantity_of(context_, *file, *data, row) : 0;
+      const std::string set = set_of_row(context_, *file, *data, row, "");
       for (std::size_t i = 0; i < times; ++i) {
         line.positions.push_back(*at);
         if (lengths) line.lengths.push_back(length_of(*file, *data, row));
         if (!normal) continue;
         line.joints.push_back(in_.orientations.size());
-        in_.orientations.push_back({*normal, set_of_row(*data, row, ""), line.direction_at(*at), std::nullopt});
+        in_.orientations.push_back({*normal, set, line.direction_at(*at), std::nullopt});
       }
       if (too_many(context_, *file, in_)) return;
       if (context_.problems.errors() != before && ++wrong >= 20) return;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "cleave/core/text.hpp"
 #include "cleave/geometry/orientation.hpp"
 
 namespace cleave::scene {
@@ -156,9 +157,16 @@ bool has_orientation(const SurveyTable& table) {
          (table.column("dip") && (table.column("dip_direction") || table.column("strike")));
 }
 
-std::string set_of_row(const SurveyTable& table, const SurveyTable::Row& row, const std::string& otherwise) {
+std::string set_of_row(InputContext& context, const LoadedFile& file, const SurveyTable& table,
+                       const SurveyTable::Row& row, const std::string& otherwise) {
   const auto at = table.column("set");
-  return at && *at < row.cells.size() && !row.cells[*at].empty() ? row.cells[*at] : otherwise;
+  if (!at || *at >= row.cells.size() || row.cells[*at].empty()) return otherwise;
+  const std::string& name = row.cells[*at];
+  if (!is_utf8(name)) {
+    context.problems.error_in(file.shown, row.line, "set", fmt::format("\"{}\" is not UTF-8 text", on_one_line(name)),
+                              "save the table as UTF-8");
+  }
+  return name;
 }
 
 }  // namespace cleave::scene

@@ -44,8 +44,8 @@ struct RowRules {
 [[nodiscard]] std::optional<geometry::Vec3> normal_of_row(InputContext& context, const LoadedFile& file,
                                                           const SurveyTable& table, const SurveyTable::Row& row,
                                                           const RowRules& rules);
-[[nodiscard]] std::string set_of_row(const SurveyTable& table, const SurveyTable::Row& row,
-                                     const std::string& otherwise);
+[[nodiscard]] std::string set_of_row(InputContext& context, const LoadedFile& file, const SurveyTable& table,
+                                     const SurveyTable::Row& row, const std::string& otherwise);
 /// Number of like joints that a row stands for (column quantity; none: 1).
 [[nodiscard]] std::size_t quantity_of(InputContext& context, const LoadedFile& file, const SurveyTable& table,
                                       const SurveyTable::Row& row);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cleave/core/text.hpp"
 #include "cleave/field_data/survey_file.hpp"
 #include "cleave/geometry/orientation.hpp"
 #include "survey_laws.hpp"
@@ -11,11 +12,12 @@
 namespace cleave::scene {
 namespace {
 
+/// Of text without control characters, as names in surveys are.
 std::string in_quotes(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') out += '\\';
-    out += c >= 0 && c < ' ' ? ' ' : c;
+    out += c;
   }
   return out + "\"";
 }
@@ -28,6 +30,16 @@ std::string plain(std::string_view name) {
     out += good ? c : '_';
   }
   return out.empty() ? "set" : out;
+}
+
+/// Sets "A 1" and "A-1" need a file each; names that differ in case alone are one to some file systems.
+std::string unused_name(const SetsFile& sets, const std::string& plain_name) {
+  const auto used = [&](const std::string& name) {
+    return std::ranges::any_of(sets.files, [&](const auto& f) { return lower(f.first) == lower(name); });
+  };
+  std::string name = fmt::format("sets_{}.csv", plain_name);
+  for (std::size_t k = 2; used(name); ++k) name = fmt::format("sets_{}_{}.csv", plain_name, k);
+  return name;
 }
 
 std::string size_text(const survey::SetResult& set) {
@@ -58,7 +70,7 @@ SetsFile sets_file(const SurveyScene& survey, const survey::SurveyResult& result
   SetsFile file;
   file.toml = fmt::format(
       "# Joint sets of {} (sha256 {}), by cleave survey. A scene takes them with include = [\"sets.toml\"].\n",
-      survey.file_name, survey.sha256);
+      on_one_line(survey.file_name), survey.sha256);
   for (const survey::SetResult& set : result.sets) {
     file.toml += "\n";
     if (!usable(set)) {
@@ -81,7 +93,7 @@ SetsFile sets_file(const SurveyScene& survey, const survey::SurveyResult& result
       file.toml += fmt::format("orientation = {{ dip = {}, dip_direction = {} }}   # all parallel\n",
                                mean.dip.degrees(), mean.direction.degrees());
     } else {
-      const std::string name = fmt::format("sets_{}.csv", plain(set.name));
+      const std::string name = unused_name(file, plain(set.name));
       // Each pole as often as its weight says, in quarters of the smallest.
       const double least = *std::ranges::min_element(set.weights);
       std::string csv = "dip,dip_direction\n";

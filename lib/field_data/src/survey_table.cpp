@@ -196,6 +196,10 @@ std::optional<SurveyTable> read_survey_table(InputContext& context, const Loaded
       separator = text.contains(';') ? ';' : text.contains(',') ? ',' : text.contains('\t') ? '\t' : ' ';
     }
     std::vector<std::string> cells = split(text, separator);
+    if (std::ranges::any_of(cells, [](const std::string& c) { return has_control_characters(c); })) {
+      context.problems.error_in(file.shown, line, "file", "holds control characters", "save the table as plain text");
+      return std::nullopt;
+    }
     if (separator == ';') take_decimal_commas(cells);
     if (table.columns.empty() && is_preamble(context, file, line, cells)) {
       preamble = true;

@@ -11,6 +11,7 @@
 
 #include "cleave/core/expected.hpp"
 #include "cleave/core/nearest.hpp"
+#include "cleave/core/text.hpp"
 #include "cleave/core/units.hpp"
 #include "cleave/io/file.hpp"
 #include "csv_table.hpp"
@@ -451,6 +452,10 @@ class TableReader final {
     if (cohesion) joint.cohesion = pascals(*cohesion);
     if (tension) joint.tension = pascals(*tension);
     joint.set = cell(row, Column::set);
+    if (!is_utf8(joint.set)) {
+      problem(row, Column::set, ReadFault::syntax, fmt::format("\"{}\" is not UTF-8 text", on_one_line(joint.set)),
+              "save the table as UTF-8");
+    }
     joint.id = cell(row, Column::id);
     if (problems_.size() == before) table_.rows.push_back(std::move(joint));
   }

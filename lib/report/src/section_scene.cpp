@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "cleave/core/expected.hpp"
+#include "cleave/core/text.hpp"
 #include "cleave/exchange/text.hpp"
 #include "cleave/report/write.hpp"
 #include "cleave/topology/section.hpp"
@@ -84,7 +85,8 @@ std::string scene_of(const scene::RunResult& result, const scene::SectionSpec& s
   Vec3 gravity = result.stability ? result.stability->loads.body.gravity() : Vec3{0, 0, -9.81};
   const bool shaken = result.stability && norm(result.stability->loads.body.seismic()) > 0;
   if (shaken) gravity += norm(gravity) * result.stability->loads.body.seismic();
-  std::string out = "# Section of " + result.scene_file + ", written by cleave: run it with `cleave run`.\n";
+  std::string out =
+      "# Section of " + on_one_line(result.scene_file) + ", written by cleave: run it with `cleave run`.\n";
   out += spec.horizontal ? "# Level z = " + number(spec.through.z) + " m; x = east, y = north.\n"
                          : "# Vertical, through (" + number(spec.through.x) + ", " + number(spec.through.y) +
                                "); x towards azimuth " + number(spec.azimuth) + " degrees, y up.\n";

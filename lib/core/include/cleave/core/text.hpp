@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -21,6 +22,13 @@ namespace cleave {
 /// Whether it holds characters that steer a terminal instead of showing: those below the space but for tabs, and 127 to
 /// 159 (in UTF-8). Line ends count.
 [[nodiscard]] bool has_control_characters(std::string_view text) noexcept;
+
+/// Length in bytes of the well-formed character of UTF-8 that `text` (not empty) starts with; 0 where it is none.
+[[nodiscard]] std::size_t utf8_length(std::string_view text) noexcept;
+[[nodiscard]] bool is_utf8(std::string_view text) noexcept;
+
+/// For comments of files: control characters (line ends and tabs too) as blanks, U+FFFD for bytes that are not UTF-8.
+[[nodiscard]] std::string on_one_line(std::string_view text);
 
 /// Whether spreadsheets take it for a formula: it begins with = + - or @ and is no number.
 [[nodiscard]] bool is_formula(std::string_view text);
