@@ -72,6 +72,25 @@ TEST(BlockSizes, AllBlocksWhereFewAreInner) {
   EXPECT_NEAR(result.figures.blocks->sizes->jv, 0.5, 1e-12);
 }
 
+// A set whose joints lie every way has the same mean axis in every order of its joints.
+TEST(BlockSizes, MeanAxesDoNotHangOnTheOrderOfJoints) {
+  std::vector<std::string> joints;
+  for (const auto& [dip, direction] : {std::pair{32, 68}, {83, 204}, {56, 306}, {38, 87}, {85, 20}}) {
+    joints.push_back(
+        fmt::format("[[joint]]\nplane = {{ through = [2, 2, 2], dip = {}, dip_direction = {} }}\n", dip, direction));
+  }
+  std::ranges::sort(joints);
+  std::vector<double> seen;
+  do {
+    std::string text = box_of_sides(4, 4, 4);
+    for (const std::string& joint : joints) text += joint;
+    seen.push_back(run_of(text).figures.input.sets[0].p10);
+  } while (std::ranges::next_permutation(joints).found);
+  ASSERT_EQ(seen.size(), 120U);
+  const auto [least, most] = std::ranges::minmax(seen);
+  EXPECT_NEAR(least, most, 1e-12 * most);
+}
+
 // Of a joint that reaches out of the domain the part within it counts, holes not.
 TEST(BlockSizes, JointsAreClippedToTheBox) {
   const RunResult result =

@@ -10,6 +10,7 @@
 #include "cleave/core/assert.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/scene3d/bounds.hpp"
+#include "cleave/survey/orientation.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -126,9 +127,17 @@ std::vector<Vec3> areas_of(const topology::CutInput& input, std::size_t joint, c
 
 SetFigures figures_of(std::string name, std::uint64_t joints, const std::vector<Vec3>& areas, double volume) {
   SetFigures set{.name = std::move(name), .joints = joints};
-  if (areas.empty()) return set;
-  // Mean axis by area: turned to one side until none changes.
-  Vec3 mean = areas.front();
+  std::vector<Vec3> normals;
+  std::vector<double> weights;
+  for (const Vec3 a : areas) {
+    if (!(norm(a) > 0)) continue;
+    normals.push_back(a / norm(a));
+    weights.push_back(norm(a));
+  }
+  if (normals.empty()) return set;
+  // Mean axis by area: turned to one side of the main axis, then of their sum, until none changes. From the first joint
+  // on, a set that scatters widely would have a mean that hangs on the order of its joints.
+  Vec3 mean = survey::orientation_tensor(normals, weights).vectors[0];
   for (int round = 0; round < 50; ++round) {
     Vec3 next{0, 0, 0};
     for (const Vec3 a : areas) next += dot(a, mean) < 0 ? -a : a;
