@@ -372,6 +372,14 @@ TEST(BadSceneTest, ManyMistakesAreCountedNotPrinted) {
   EXPECT_NE(lines.back().find("1800 more errors are not shown"), std::string::npos) << lines.back();
 }
 
+// Whatever reads it, and however often.
+TEST(BadSceneTest, AWrongValueIsToldOnce) {
+  const auto errors = errors_of(with_box("[stability]\nfree = [\"top\"]\ntarget = { falling = 150, sliding = -1 }\n"));
+  ASSERT_EQ(errors.size(), 2U);
+  EXPECT_TRUE(errors[0].contains("stability.target.falling: is 150")) << errors[0];
+  EXPECT_TRUE(errors[1].contains("stability.target.sliding: is -1")) << errors[1];
+}
+
 TEST(BadSceneTest, ControlCharactersAreRefused) {
   for (const std::string text : {"\"a\\u001b[31m\" = 1\n", "title = \"a\\u001b]0;b\\u0007\"\n",
                                  "title = \"a\\u009b31m\"\n", "title = \"a\\nkey blocks   0\"\n"}) {

@@ -13,6 +13,14 @@ namespace {
 
 constexpr std::size_t most_errors = 200;
 
+/// A value that is read twice is told once. False when there are too many to add it.
+bool add(std::vector<Problem>& list, Problem problem) {
+  if (std::ranges::find(list, problem) != list.end()) return true;
+  if (list.size() >= most_errors) return false;
+  list.push_back(std::move(problem));
+  return true;
+}
+
 }  // namespace
 
 std::string_view kind_of(const TomlNode& node) noexcept {
@@ -31,17 +39,13 @@ void Problems::error(std::uint32_t line, std::string key, std::string what, std:
 }
 void Problems::error_in(std::string file, std::uint32_t line, std::string key, std::string what, std::string remedy) {
   ++error_count_;
-  if (errors_.size() < most_errors) {
-    errors_.push_back({std::move(file), line, std::move(key), std::move(what), std::move(remedy)});
-  }
+  if (!add(errors_, {std::move(file), line, std::move(key), std::move(what), std::move(remedy)})) ++not_shown_;
 }
 void Problems::note(std::uint32_t line, std::string key, std::string what, std::string remedy) {
   note_in(file_, line, std::move(key), std::move(what), std::move(remedy));
 }
 void Problems::note_in(std::string file, std::uint32_t line, std::string key, std::string what, std::string remedy) {
-  if (notes_.size() < most_errors) {
-    notes_.push_back({std::move(file), line, std::move(key), std::move(what), std::move(remedy)});
-  }
+  (void)add(notes_, {std::move(file), line, std::move(key), std::move(what), std::move(remedy)});
 }
 
 std::vector<Problem> Problems::take_errors() && {
@@ -57,9 +61,8 @@ std::vector<Problem> Problems::take_errors() && {
   sorted.reserve(errors_.size() + 1);
   for (const std::size_t i : order) sorted.push_back(std::move(errors_[i]));
   errors_ = std::move(sorted);
-  if (error_count_ > errors_.size()) {
-    errors_.push_back({file_, 1, "scene", fmt::format("{} more errors are not shown", error_count_ - errors_.size()),
-                       "fix these first"});
+  if (not_shown_ > 0) {
+    errors_.push_back({file_, 1, "scene", fmt::format("{} more errors are not shown", not_shown_), "fix these first"});
   }
   return std::move(errors_);
 }

@@ -34,7 +34,7 @@ class Problems final {
  private:
   std::string file_;
   std::vector<Problem> errors_, notes_;
-  std::size_t error_count_ = 0;
+  std::size_t error_count_ = 0, not_shown_ = 0;
 };
 
 /// Typed access to one table by the declaration of its keys: each function reports what is wrong under the key's full
