@@ -47,6 +47,48 @@ anchorage = 0.5
                      along, down, offset_along, offset_down, more);
 }
 
+/// The prism between two vertical joints without friction, on planes 45/090 with these frictions; 1e-5 m apart.
+RunResult on_planes(const std::vector<int>& frictions, std::string_view head = {}, double cohesion_of_first = 0) {
+  std::string text{head}, strengths;
+  text += "[domain]\nbox = { min = [0, 0, 0], max = [10, 10, 10] }\n";
+  double up = 0;
+  for (std::size_t k = 0; k < frictions.size(); ++k) {
+    text +=
+        fmt::format("[[joint]]\nset = \"s{}\"\npolygon = [[-5, -5, {}], [-5, 15, {}], [15, 15, {}], [15, -5, {}]]\n", k,
+                    19 + up, 19 + up, up - 1, up - 1);
+    strengths +=
+        fmt::format("[joints.s{}]\nfriction = {}\ncohesion = {}\n", k, frictions[k], k == 0 ? cohesion_of_first : 0);
+    if (!head.empty()) up += 1e-5;
+  }
+  return run_of(text + strengths + "[stability]\nfree = [\"east\", \"top\", \"north\", \"south\"]\n");
+}
+
+// A joint given or measured twice: the verdict is that of the weaker, whatever their order, and a note says so.
+TEST(KeyBlocksScene, OfJointsThatLieOnOneAnotherTheWeakerCounts) {
+  const auto says_so = [](const RunResult& r) {
+    return std::ranges::any_of(r.notes, [](const std::string& n) { return n.contains("lie on one another and have"); });
+  };
+  for (const std::string_view head : {"", "snap = 1e-3\n"}) {
+    for (const auto& frictions : {std::vector{35, 50}, {50, 35}, {50, 35, 60}, {60, 50, 35}}) {
+      const RunResult r = on_planes(frictions, head);
+      ASSERT_EQ(r.complex->complex().blocks().size(), 2U) << head;
+      ASSERT_EQ(r.figures.key_blocks->count, 1U) << head << fmt::format("{}", frictions.front());
+      EXPECT_NEAR(r.figures.key_blocks->lowest_factor_of_safety, std::tan(35 * std::numbers::pi / 180), 1e-4);
+      EXPECT_TRUE(says_so(r)) << head;
+    }
+    EXPECT_FALSE(says_so(on_planes({35, 35}, head)));
+    EXPECT_FALSE(says_so(on_planes({35}, head)));
+  }
+  // Under 100 kPa 20 degrees with 100 kPa bear more than 50 degrees without, with 60 kPa less; but more than 40
+  // degrees.
+  const auto factor = [](const std::vector<int>& frictions, double cohesion_of_first) {
+    return on_planes(frictions, "", cohesion_of_first).figures.key_blocks->lowest_factor_of_safety;
+  };
+  EXPECT_NEAR(factor({20, 50}, 100e3), std::tan(50 * std::numbers::pi / 180), 1e-9);
+  EXPECT_NEAR(factor({20, 40}, 60e3), std::tan(40 * std::numbers::pi / 180), 1e-9);
+  EXPECT_GT(factor({20, 50}, 60e3), 1.5);  // 20 degrees with 60 kPa on 85 m2
+}
+
 TEST(KeyBlocksScene, SupportIsCheckedUnderEveryLoadCase) {
   const RunResult r =
       run_of(slope(2, 1.5, 1, 0.5, "[[load]]\nname = \"quake\"\nseismic = [0.6, 0, 0]\n[[load]]\nname = \"still\"\n"));

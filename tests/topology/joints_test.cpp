@@ -1,7 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "cleave/geometry/tunnel.hpp"
 #include "complexes.hpp"
@@ -70,6 +74,47 @@ TEST(Holes, TurnedOutOfTheAxes) {
   EXPECT_EQ(plugged(1), 2U);
   EXPECT_EQ(plugged(1.5), 2U);
   EXPECT_EQ(plugged(0.9), 1U);
+}
+
+/// Area of the contact in z = 2 by the joint it is of.
+std::map<std::uint32_t, double> areas_at_2(const topology::BlockComplex& complex) {
+  std::map<std::uint32_t, double> areas;
+  for (const topology::Face& face : complex.faces()) {
+    for (const topology::Patch patch : complex.patches(face)) {
+      if (patch.joint && face.outward.z > 0.5) areas[patch.joint->value()] += patch.area.si();
+    }
+  }
+  return areas;
+}
+
+TEST(Overlaps, AFaceIsOfTheJointThatGoesBefore) {
+  // A level plane, a square of side 2 on it and one of side 1 within both, and a plane across all of them.
+  auto input = scene(cube());
+  input.joints.emplace_back(topology::PersistentJoint{{2, 2, 2}, {0, 0, 1}});
+  input.joints.emplace_back(topology::Joint{{square(1, 3, 2)}});
+  input.joints.emplace_back(topology::Joint{{square(1, 2, 2)}});
+  input.joints.emplace_back(topology::PersistentJoint{{2.5, 2, 2}, {1, 0, 0}});
+  using Areas = std::map<std::uint32_t, double>;
+  const auto found = [&](std::vector<std::uint32_t> precedence) {
+    input.precedence = std::move(precedence);
+    const auto audited = certified(input);
+    using Pairs = std::vector<std::pair<topology::JointId, topology::JointId>>;
+    EXPECT_EQ(audited.complex().report().overlapping, (Pairs{{id(0), id(1)}, {id(0), id(2)}, {id(1), id(2)}}));
+    return areas_at_2(audited.complex());
+  };
+  EXPECT_EQ(found({}), (Areas{{0, 16}}));
+  EXPECT_EQ(found({0, 0, 0, 0}), (Areas{{0, 16}}));
+  EXPECT_EQ(found({1, 0, 2, 0}), (Areas{{0, 12}, {1, 4}}));
+  EXPECT_EQ(found({2, 1, 0, 0}), (Areas{{0, 12}, {1, 3}, {2, 1}}));
+  EXPECT_EQ(found({1, 1, 0, 0}), (Areas{{0, 15}, {2, 1}}));
+  EXPECT_EQ(found({1}), (Areas{{0, 16}})) << "what no number is given for comes last";
+}
+
+TEST(Overlaps, JointsThatMeetInLinesDoNotOverlap) {
+  auto input =
+      scene(cube(), {topology::Joint{{square(-1, 5, 2)}, {{square(1, 3, 2)}}}, topology::Joint{{square(1, 3, 2)}}});
+  input.joints.emplace_back(topology::PersistentJoint{{2.5, 2, 2}, {1, 0, 0}});
+  EXPECT_TRUE(certified(input).complex().report().overlapping.empty());
 }
 
 TEST(Terminations, TheFarPartIsTakenAway) {

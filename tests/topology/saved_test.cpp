@@ -28,6 +28,7 @@ std::vector<topology::CutInput> inputs() {
             {box({1, 1, -1}, {3, 3, 5})});
   shaft.free_domain_tags = {0};
   shaft.snap = metres(1e-3);
+  shaft.joints.push_back(rectangle(2, 2, {-1, -1}, {5, 5}));  // twice
   out.push_back(shaft);
   shaft.window = topology::Window{{0.5, 0.5, 0.5}, {3.5, 3.5, 3.5}};
   out.push_back(shaft);
@@ -39,6 +40,7 @@ void expect_same(const topology::BlockComplex& a, const topology::BlockComplex& 
   EXPECT_EQ(topology::canonical_hash(a), topology::canonical_hash(b));
   EXPECT_EQ(a.report().lattice_pitch_m, b.report().lattice_pitch_m);
   EXPECT_EQ(a.report().intersections, b.report().intersections);
+  EXPECT_EQ(a.report().overlapping, b.report().overlapping);
   EXPECT_EQ(a.report().excavated.size(), b.report().excavated.size());
   EXPECT_TRUE(a.planes() == b.planes());
   ASSERT_EQ(a.data().dangling.has_value(), b.data().dangling.has_value());
@@ -93,13 +95,13 @@ TEST(SavedBlocks, DamageIsSeen) {
     changed[at] = static_cast<char>(changed[at] ^ 1);
     EXPECT_EQ(fault_of(changed), SavedFault::damaged);
   }
-  EXPECT_EQ(fault_of(sealed("cleave-blocks", 1, "")), SavedFault::inconsistent);
+  EXPECT_EQ(fault_of(sealed("cleave-blocks", 2, "")), SavedFault::inconsistent);
 }
 
 // Bytes that were changed and sealed again: no crash, and what is taken is a system that passes the audit.
 TEST(SavedBlocks, WhatIsTakenPassesTheAudit) {
   const std::string bytes = saved(made(inputs().back()));
-  const std::string held{unsealed("cleave-blocks", 1, bytes).value()};
+  const std::string held{unsealed("cleave-blocks", 2, bytes).value()};
   Rng rng{{.seed = 3}};
   std::size_t inconsistent = 0, failed = 0;
   for (int k = 0; k < 600; ++k) {
@@ -108,7 +110,7 @@ TEST(SavedBlocks, WhatIsTakenPassesTheAudit) {
       const auto at = static_cast<std::size_t>(rng.uniform() * static_cast<double>(held.size()));
       changed[at] = static_cast<char>(rng.uniform() * 256 - 128);
     }
-    const auto loaded = topology::load_saved(sealed("cleave-blocks", 1, changed));
+    const auto loaded = topology::load_saved(sealed("cleave-blocks", 2, changed));
     if (loaded) {
       EXPECT_TRUE(loaded->certificate().passed);
     } else {

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "overlaps.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -33,6 +36,21 @@ std::string percent_outside(double share) {
                                      : fmt::format("{:.3g} %", 100 * share);
 }
 
+/// Joints that lie on one another and differ in strength: a fault given twice, or measured twice and merged by `snap`.
+void add_overlap_note(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
+  std::vector<std::pair<topology::JointId, topology::JointId>> unlike;
+  for (const auto& [one, other] : made.cut.overlapping) {
+    if (made.joints[one].strength != made.joints[other].strength) unlike.emplace_back(one, other);
+  }
+  if (unlike.empty()) return;
+  const auto& [one, other] = unlike.front();
+  notes.push_back(fmt::format(
+      "{} lie on one another and have other strengths ({} and {}): where they do, the one counts that bears less shear "
+      "under {:g} kPa",
+      unlike.size() == 1 ? "two joints" : fmt::format("{} pairs of joints", unlike.size()), name_of(one, scene, made),
+      name_of(other, scene, made), normal_stress_on_overlaps.si() / 1e3));
+}
+
 }  // namespace
 
 void add_cut_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
@@ -55,6 +73,7 @@ void add_cut_notes(const Scene& scene, const Realization& made, std::vector<std:
         near.other ? name_of(*near.other, scene, made) : std::string{"a side of the domain or an excavation"},
         rounded_up(near.largest.si())));
   }
+  add_overlap_note(scene, made, notes);
   if (report.joints_outside > 0) {
     notes.push_back(fmt::format("{} of {} joints lie outside the rock and cut nothing", report.joints_outside, joints));
   }

@@ -13,6 +13,7 @@
 #include "cleave/realize/run.hpp"
 #include "cleave/scene3d/bounds.hpp"
 #include "cleave/scene3d/drawing_order.hpp"
+#include "overlaps.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -147,6 +148,23 @@ void add_random(const Scene& scene, std::uint64_t realization, std::size_t numbe
   }
 }
 
+/// For `topology::CutInput::precedence`; empty where all joints are as strong.
+std::vector<std::uint32_t> weakest_first(const IdVector<topology::JointId, JointInfo>& joints) {
+  const auto same = [&](const JointInfo& j) { return j.strength == joints[topology::JointId{0U}].strength; };
+  if (std::ranges::all_of(joints, same)) return {};
+  using Bears = std::pair<double, double>;
+  std::vector<Bears> bears;
+  for (const JointInfo& joint : joints)
+    bears.emplace_back(joint.strength.shear(normal_stress_on_overlaps).si(), joint.strength.tension().si());
+  std::vector<Bears> sorted = bears;
+  std::ranges::sort(sorted);
+  std::vector<std::uint32_t> order;
+  for (const Bears& own : bears) {
+    order.push_back(static_cast<std::uint32_t>(std::ranges::lower_bound(sorted, own) - sorted.begin()));
+  }
+  return order;
+}
+
 }  // namespace
 
 std::expected<SampledScene, std::vector<Problem>> sample(const Scene& scene, std::uint64_t realization) {
@@ -175,6 +193,7 @@ std::expected<SampledScene, std::vector<Problem>> sample(const Scene& scene, std
     add_random(scene, realization, number, std::move((*sampled)[number]), drawn, problems);
   }
   if (!problems.empty()) return std::unexpected(std::move(problems));
+  drawn.input.precedence = weakest_first(drawn.joints);
   return drawn;
 }
 

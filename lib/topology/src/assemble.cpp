@@ -310,6 +310,7 @@ void finish_report(const BlockParts& parts, BlockComplex::Data& out) {
   report.snapped = prepared.snapped;
   report.joints_outside = prepared.outside.size();
   std::vector<std::uint8_t> used(prepared.joint_count, 0);
+  std::vector<Index> joints;  // of one face
   for (const Index j : prepared.outside) {
     report.outside.emplace_back(j);
     used[j] = 1;
@@ -317,11 +318,20 @@ void finish_report(const BlockParts& parts, BlockComplex::Data& out) {
   for (std::size_t f = 0; f < parts.present.size(); ++f) {
     if (parts.present[f] == 0 || parts.block_of[2 * f] == none || parts.block_of[2 * f + 1] == none) continue;
     const PlaneFace& face = parts.arrangement.faces[f];
+    joints.clear();
     for (Index c = face.first_cover; c < face.first_cover + face.cover_count; ++c) {
       const Facet& facet = prepared.facets[parts.arrangement.covers[c]];
-      if (facet.owner == Owner::joint) used[facet.owner_index] = 1;
+      if (facet.owner == Owner::joint) joints.push_back(facet.owner_index);
+    }
+    for (const Index one : joints) {
+      used[one] = 1;
+      for (const Index other : joints) {
+        if (one < other) report.overlapping.emplace_back(one, other);
+      }
     }
   }
+  std::ranges::sort(report.overlapping);
+  report.overlapping.erase(std::ranges::unique(report.overlapping).begin(), report.overlapping.end());
   for (Index j = 0; j < prepared.joint_count; ++j) {
     if (used[j] == 0) report.dangling.emplace_back(j);
   }

@@ -4,12 +4,24 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "cleave/core/assert.hpp"
 
 namespace cleave::topology::detail {
 
 using geometry::Vec3;
+
+namespace {
+
+bool comes_before(const CutInput& input, Index one, Index other) {
+  const auto place = [&](Index joint) {
+    return std::pair{joint < input.precedence.size() ? input.precedence[joint] : none, joint};
+  };
+  return place(one) < place(other);
+}
+
+}  // namespace
 
 Nature BlockParts::nature(Index half_face) const {
   const PlaneFace& face = arrangement.faces[half_face / 2];
@@ -19,7 +31,11 @@ Nature BlockParts::nature(Index half_face) const {
   for (Index c = face.first_cover; c < face.first_cover + face.cover_count; ++c) {
     const Facet& facet = prepared.facets[arrangement.covers[c]];
     switch (facet.owner) {
-      case Owner::joint: nature.joint = std::min(nature.joint, facet.owner_index); break;
+      case Owner::joint:
+        if (nature.joint == none || comes_before(input, facet.owner_index, nature.joint)) {
+          nature.joint = facet.owner_index;
+        }
+        break;
       case Owner::domain:
         if (domain == nullptr) domain = &facet;
         break;

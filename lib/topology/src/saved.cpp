@@ -19,7 +19,7 @@ using geometry::Vec3;
 using Numbers = std::array<double, 3>;
 
 constexpr std::string_view kind = "cleave-blocks";
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
 
 Numbers numbers(Vec3 v) { return {v.x, v.y, v.z}; }
 Vec3 vector(const Numbers& n) { return {n[0], n[1], n[2]}; }
@@ -134,12 +134,13 @@ struct KeptReport {
   std::optional<std::uint32_t> missed;
   std::vector<KeptSnap> snapped;
   std::vector<std::uint32_t> outside, dangling;
+  std::vector<std::array<std::uint32_t, 2>> overlapping;
   std::vector<std::array<double, 2>> excavated;
 };
 template <class A>
 void archive(A& a, Archived<KeptReport> auto& r) {
   a(r.pitch, r.largest_snap, r.bend, r.shortest, r.largest_miss, r.counts, r.coarse_joint, r.miss_joint, r.missed,
-    r.snapped, r.outside, r.dangling, r.excavated);
+    r.snapped, r.outside, r.dangling, r.overlapping, r.excavated);
 }
 
 struct Kept {
@@ -231,7 +232,9 @@ KeptReport kept(const CutReport& r) {
                  .snapped = {},
                  .outside = values_of(std::span{r.outside}),
                  .dangling = values_of(std::span{r.dangling}),
+                 .overlapping = {},
                  .excavated = {}};
+  for (const auto& [one, other] : r.overlapping) out.overlapping.push_back({one.value(), other.value()});
   for (const SnappedJoint& s : r.snapped) {
     out.snapped.push_back({s.joint.value(), s.adopted_edges, s.moved.si(), s.plane_merged});
   }
@@ -365,6 +368,7 @@ CutReport report_of(const KeptReport& r) {
   }
   out.outside = ids_of<JointId>(r.outside);
   out.dangling = ids_of<JointId>(r.dangling);
+  for (const auto& [one, other] : r.overlapping) out.overlapping.emplace_back(one, other);
   for (const auto& v : r.excavated) out.excavated.push_back({Volume::from_si(v[0]), Volume::from_si(v[1])});
   return out;
 }

@@ -54,6 +54,9 @@ struct CutInput {
   /// > 0: near-coincident planes are merged and joint edges within this distance of another joint adopt its plane.
   Length snap = metres(0);
   std::vector<Termination> terminations = {};
+  /// Where joints lie on one another their face is of the one with the smallest number here, of equals of the first
+  /// joint. One a joint; joints beyond its end come last, by number.
+  std::vector<std::uint32_t> precedence = {};
   /// Keeps the parts of joints that separate nothing (BlockComplex::dangling). The blocks are the same.
   bool keep_dangling = false;
   /// Only what lies in this box is cut, on the lattice of the whole scene: blocks that do not reach the window's sides

@@ -77,6 +77,8 @@ class JointStrength final {
   [[nodiscard]] double tan_friction() const noexcept { return tan_friction_; }
   [[nodiscard]] Stress cohesion() const noexcept { return cohesion_; }
   [[nodiscard]] Stress tension() const noexcept { return tension_; }
+  /// What the joint bears along itself at an effective normal stress >= 0.
+  [[nodiscard]] Stress shear(Stress normal) const noexcept { return cohesion_ + tan_friction(normal) * normal; }
   /// Of the curved law.
   [[nodiscard]] std::optional<Roughness> roughness() const noexcept {
     return curved() ? std::optional{Roughness{jrc_, jcs_}} : std::nullopt;
