@@ -154,8 +154,9 @@ std::vector<std::uint32_t> weakest_first(const IdVector<topology::JointId, Joint
   if (std::ranges::all_of(joints, same)) return {};
   using Bears = std::pair<double, double>;
   std::vector<Bears> bears;
-  for (const JointInfo& joint : joints)
+  for (const JointInfo& joint : joints) {
     bears.emplace_back(joint.strength.shear(normal_stress_on_overlaps).si(), joint.strength.tension().si());
+  }
   std::vector<Bears> sorted = bears;
   std::ranges::sort(sorted);
   std::vector<std::uint32_t> order;

@@ -153,8 +153,8 @@ const KeyTable& scene_keys() {
            {"project", key::table(&project_keys), "", "heads the report and `summary.json`; in no other file"},
            {"seed", key::whole(0, INT64_MAX), "1", "whole number from 0; `cleave run --seed` overrides it"},
            {"snap", key::number(snap_rule), "0",
-            "m; above 0 corners closer than this become one, near-coincident planes of polygons merge and edges within this "
-            "distance of another joint end on it, whatever the order of the joints; what is closed stays closed. "
+            "m; above 0 corners closer than this become one, near-coincident planes of polygons merge and edges within "
+            "this distance of another joint end on it, whatever the order of the joints; what is closed stays closed. "
             "Polygons that share corners divide the rock without it"},
            {"nonplanar", key::word(nonplanar_words), "\"refuse\"",
             "or `\"triangulate\"`: polygons (and faces of `domain.corners`) whose corners lie further than max(1e-6 of "

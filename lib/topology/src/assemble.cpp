@@ -323,11 +323,11 @@ void finish_report(const BlockParts& parts, BlockComplex::Data& out) {
       const Facet& facet = prepared.facets[parts.arrangement.covers[c]];
       if (facet.owner == Owner::joint) joints.push_back(facet.owner_index);
     }
-    for (const Index one : joints) {
-      used[one] = 1;
-      for (const Index other : joints) {
-        if (one < other) report.overlapping.emplace_back(one, other);
-      }
+    for (const Index joint : joints) used[joint] = 1;
+    if (joints.size() < 2) continue;
+    const Index least = std::ranges::min(joints);
+    for (const Index joint : joints) {
+      if (joint != least) report.overlapping.emplace_back(least, joint);
     }
   }
   std::ranges::sort(report.overlapping);

@@ -368,9 +368,9 @@ struct CutReport {
   std::uint64_t joints_outside = 0;    ///< joints that do not meet the domain
   std::vector<JointId> outside = {};   ///< which
   std::vector<JointId> dangling = {};  ///< joints no piece of which separates two blocks
-  /// Pairs of joints that lie on one another between two blocks, the smaller number first, in order.
+  /// Of joints that lie on one another between two blocks: the first one with each of the others, in order.
   std::vector<std::pair<JointId, JointId>> overlapping = {};
-  std::uint64_t intersections = 0;     ///< pairs of facets (of joints and solids) that meet in a segment or a point
+  std::uint64_t intersections = 0;  ///< pairs of facets (of joints and solids) that meet in a segment or a point
   std::uint64_t predicate_calls = 0;
   std::uint64_t predicate_exact = 0;            ///< of those, how many the filter could not decide
   std::vector<ExcavatedVolume> excavated = {};  ///< one an excavation of the input
