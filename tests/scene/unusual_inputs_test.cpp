@@ -68,6 +68,11 @@ TEST(UnusualInputs, WhatMeansAnotherThingThanItSaysIsSaid) {
       "stability.gravity points upwards, as z does: what is taken out of a roof would fall upwards";
   EXPECT_EQ(with("gravity = [0, 0, 9.81]\nwater = { table = -5 }\n"), Said{upwards});
   EXPECT_EQ(with("gravity = [0.5, 0, -9.8]\n"), Said{});
+  EXPECT_EQ(with("gravity = [0, 6.9, -7]\n"), Said{});
+  for (const std::string sideways : {"[9.81, 0, 0]", "[0, -9.81, 0]", "[0, 7, -6.9]", "[5, 5, -7]"}) {
+    EXPECT_EQ(with("gravity = " + sideways + "\n"), (Said{"stability.gravity acts more sideways than down"}))
+        << sideways;
+  }
   EXPECT_EQ(with("surcharge = [{ on = \"top\", pressure = -20e3 }]\n"),
             (Said{"stability.surcharge[1].pressure is below 0: it pulls at the rock"}));
   EXPECT_EQ(with("target = { falling = 0.5 }\n"),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 
 #include "cleave/core/nearest.hpp"
@@ -262,6 +263,9 @@ ParsedStability parse_stability(const Context& context, const TableReader& root,
       } else if (gravity.z > 0) {
         table.note("gravity", "points upwards, as z does: what is taken out of a roof would fall upwards",
                    "write gravity = 9.81, or [0, 0, -9.81]");
+      } else if (std::hypot(gravity.x, gravity.y) > -gravity.z) {
+        table.note("gravity", "acts more sideways than down",
+                   "z is up: write gravity = 9.81, or [0, 0, -9.81]; an earthquake is `seismic`");
       }
     }
     loads = parse_load_set(context, table, domain, excavations);
