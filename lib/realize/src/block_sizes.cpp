@@ -125,6 +125,18 @@ std::vector<Vec3> areas_of(const topology::CutInput& input, std::size_t joint, c
   return areas;
 }
 
+/// Sum of the areas, each turned to the side of `axis`, then of the sum, until none turns.
+Vec3 turned_sum(const std::vector<Vec3>& areas, Vec3 axis) {
+  for (int round = 0; round < 50; ++round) {
+    Vec3 next{0, 0, 0};
+    for (const Vec3 a : areas) next += dot(a, axis) < 0 ? -a : a;
+    const bool same = norm(next - axis) <= 1e-12 * norm(axis);
+    axis = next;
+    if (same || !(norm(axis) > 0)) break;
+  }
+  return axis;
+}
+
 SetFigures figures_of(std::string name, std::uint64_t joints, const std::vector<Vec3>& areas, double volume) {
   SetFigures set{.name = std::move(name), .joints = joints};
   std::vector<Vec3> normals;
@@ -135,15 +147,12 @@ SetFigures figures_of(std::string name, std::uint64_t joints, const std::vector<
     weights.push_back(norm(a));
   }
   if (normals.empty()) return set;
-  // Mean axis by area: turned to one side of the main axis, then of their sum, until none changes. From the first joint
-  // on, a set that scatters widely would have a mean that hangs on the order of its joints.
-  Vec3 mean = survey::orientation_tensor(normals, weights).vectors[0];
-  for (int round = 0; round < 50; ++round) {
-    Vec3 next{0, 0, 0};
-    for (const Vec3 a : areas) next += dot(a, mean) < 0 ? -a : a;
-    const bool same = norm(next - mean) <= 1e-12 * norm(mean);
-    mean = next;
-    if (same || !(norm(mean) > 0)) break;
+  // Mean axis by area. A set that scatters widely has several such sums that turn no joint: the longest of those that
+  // the main axes lead to, whatever the order of the joints.
+  Vec3 mean{0, 0, 0};
+  for (const Vec3 axis : survey::orientation_tensor(normals, weights).vectors) {
+    const Vec3 found = turned_sum(areas, axis);
+    if (norm(found) > norm(mean)) mean = found;
   }
   const double length = norm(mean);
   for (const Vec3 a : areas) {
