@@ -61,8 +61,9 @@ TEST(Text, CommentsOfFilesStayOnTheirLine) {
   EXPECT_EQ(on_one_line("\xC3\xA4 \xE2\x88\x9E \xF0\x9F\xAA\xA8"), "\xC3\xA4 \xE2\x88\x9E \xF0\x9F\xAA\xA8");
   EXPECT_EQ(on_one_line("\xe4\xC3"), "\xEF\xBF\xBD\xEF\xBF\xBD");
   for (const char* text : {"", "a", "\xC3\xA4", "\xF4\x8F\xBF\xBF"}) EXPECT_TRUE(is_utf8(text)) << text;
-  for (const char* bytes : {"\xe4", "\xC0\xAF", "\xED\xA0\x80", "\xF4\x90\x80\x80", "ab\xC3"})
+  for (const char* bytes : {"\xe4", "\xC0\xAF", "\xED\xA0\x80", "\xF4\x90\x80\x80", "ab\xC3"}) {
     EXPECT_FALSE(is_utf8(bytes));
+  }
 }
 
 }  // namespace

@@ -47,7 +47,8 @@ anchorage = 0.5
                      along, down, offset_along, offset_down, more);
 }
 
-/// The prism between two vertical joints without friction, on planes 45/090 with these frictions; 1e-5 m apart.
+/// The prism of 180 m3 on joints 45/090 with these frictions that lie on one another: with `head` to 1e-5 m, without
+/// exactly.
 RunResult on_planes(const std::vector<int>& frictions, std::string_view head = {}, double cohesion_of_first = 0) {
   std::string text{head}, strengths;
   text += "[domain]\nbox = { min = [0, 0, 0], max = [10, 10, 10] }\n";
@@ -73,7 +74,7 @@ TEST(KeyBlocksScene, OfJointsThatLieOnOneAnotherTheWeakerCounts) {
       const RunResult r = on_planes(frictions, head);
       ASSERT_EQ(r.complex->complex().blocks().size(), 2U) << head;
       ASSERT_EQ(r.figures.key_blocks->count, 1U) << head << fmt::format("{}", frictions.front());
-      EXPECT_NEAR(r.figures.key_blocks->lowest_factor_of_safety, std::tan(35 * std::numbers::pi / 180), 1e-4);
+      EXPECT_NEAR(r.figures.key_blocks->lowest_factor_of_safety, std::tan(35 * std::numbers::pi / 180), 1e-12);
       EXPECT_TRUE(says_so(r)) << head;
     }
     EXPECT_FALSE(says_so(on_planes({35, 35}, head)));
@@ -84,9 +85,10 @@ TEST(KeyBlocksScene, OfJointsThatLieOnOneAnotherTheWeakerCounts) {
   const auto factor = [](const std::vector<int>& frictions, double cohesion_of_first) {
     return on_planes(frictions, "", cohesion_of_first).figures.key_blocks->lowest_factor_of_safety;
   };
-  EXPECT_NEAR(factor({20, 50}, 100e3), std::tan(50 * std::numbers::pi / 180), 1e-9);
-  EXPECT_NEAR(factor({20, 40}, 60e3), std::tan(40 * std::numbers::pi / 180), 1e-9);
-  EXPECT_GT(factor({20, 50}, 60e3), 1.5);  // 20 degrees with 60 kPa on 85 m2
+  EXPECT_NEAR(factor({20, 50}, 100e3), std::tan(50 * std::numbers::pi / 180), 1e-12);
+  EXPECT_NEAR(factor({20, 40}, 60e3), std::tan(40 * std::numbers::pi / 180), 1e-12);
+  const double area = 60 * std::numbers::sqrt2, driving = 2700 * 9.81 * 180 / std::numbers::sqrt2;
+  EXPECT_NEAR(factor({20, 50}, 60e3), std::tan(20 * std::numbers::pi / 180) + 60e3 * area / driving, 1e-12);
 }
 
 TEST(KeyBlocksScene, SupportIsCheckedUnderEveryLoadCase) {
