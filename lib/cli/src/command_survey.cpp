@@ -10,9 +10,9 @@
 #include "cleave/report/write.hpp"
 #include "commands.hpp"
 #include "interrupt.hpp"
-#include "out_folder.hpp"
 #include "problems.hpp"
 #include "say.hpp"
+#include "watched_folder.hpp"
 
 namespace cleave::cli {
 namespace {
@@ -65,12 +65,12 @@ ExitCode survey_data(const std::string& data, const std::string& out, bool quiet
   const auto survey = scene::load_survey(data);
   if (!survey) return report_problems(survey.error());
   const survey::SurveyResult result = survey::analyse(survey->input);
-  auto folder = OutFolder::prepare(out);
+  WatchedFolder watched{interrupts, [&] { return OutFolder::prepare(out); }};
+  auto& folder = *watched;
   if (!folder) {
     print_error(folder.error().message);
     return folder.error().code;
   }
-  interrupts.on_interrupt([&] { folder->discard(); });
   const scene::SetsFile sets = sets_file(*survey, result);
   const std::string text = figures_of(*survey, result);
   std::vector<std::pair<std::string, std::string>> files = sets.files;
@@ -82,16 +82,13 @@ ExitCode survey_data(const std::string& data, const std::string& out, bool quiet
   for (const auto& [name, content] : files) {
     if (auto written = report::write_file(folder->folder() / name, content); !written) {
       print_error(describe(written.error()));
-      interrupts.guarded([&] { folder->discard(); });
       return ExitCode::machine_failed;
     }
   }
   if (auto published = interrupts.guarded([&] { return folder->publish(); }); !published) {
     print_error(published.error().message);
-    interrupts.guarded([&] { folder->discard(); });
     return published.error().code;
   }
-  interrupts.on_interrupt({});
   if (quiet) return ExitCode::done;
   print(text);
   for (const survey::SetResult& set : result.sets) {

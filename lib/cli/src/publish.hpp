@@ -14,23 +14,19 @@
 #include "cleave/report/write.hpp"
 #include "commands.hpp"
 #include "interrupt.hpp"
-#include "out_folder.hpp"
+#include "watched_folder.hpp"
 
 namespace cleave::cli {
 
 /// Prepares the folder for a result, lets `work` fill and publish it, and leaves nothing behind when it did not.
 template <class Work>
 [[nodiscard]] ExitCode in_out_folder(const std::string& name, InterruptWatch& interrupts, const Work& work) {
-  auto out = OutFolder::prepare(name);
-  if (!out) {
-    print_error(out.error().message);
-    return out.error().code;
+  WatchedFolder out{interrupts, [&] { return OutFolder::prepare(name); }};
+  if (!*out) {
+    print_error(out->error().message);
+    return out->error().code;
   }
-  interrupts.on_interrupt([&] { out->discard(); });
-  const ExitCode end = work(*out);
-  interrupts.guarded([&] { out->discard(); });
-  interrupts.on_interrupt({});
-  return end;
+  return work(**out);
 }
 
 /// The files of a result by the steps of its plan that write them.
