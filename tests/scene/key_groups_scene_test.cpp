@@ -510,6 +510,43 @@ TEST(KeyGroupsScene, OrdersOfJointsChangeNothing) {
   EXPECT_EQ(groups(), as_given);
 }
 
+// A block with vertical sides hangs over a cavity between two that would slide at it on 60 degrees: they clamp it, and as
+// a whole they rest. Alone it falls, and without it they slide: all of it moves, as key blocks say.
+TEST(KeyGroupsScene, WhatNeighboursClampAndWhatItHeldMoves) {
+  std::string text =
+      "[domain]\nbox = { min = [-6, 0, -4], max = [6, 1, 6] }\n[[excavation]]\nname = \"cavity\"\n"
+      "kind = \"polyhedron\"\nbox = { min = [-1, -1, -3], max = [1, 2, 0] }\n";
+  const auto joint = [&](double x1, double z1, double x2, double z2, std::string_view set) {
+    text += fmt::format("[[joint]]\nset = \"{4}\"\npolygon = [[{0}, -1, {1}], [{2}, -1, {3}], [{2}, 2, {3}], [{0}, 2, "
+                        "{1}]]\n",
+                        x1, z1, x2, z2, set);
+  };
+  const double wide = 1 + 2 / std::tan(60 * std::numbers::pi / 180) + 0.001;
+  const double high = (wide - 1) * std::tan(60 * std::numbers::pi / 180);
+  joint(-wide, 2, wide, 2, "smooth");
+  for (const double side : {-1.0, 1.0}) {
+    joint(side, -0.01, side, 2.01, "rough");
+    joint(side * 0.999, -0.001 * std::tan(60 * std::numbers::pi / 180), side * wide, high, "smooth");
+  }
+  text +=
+      "[joints.rough]\nfriction = 50\n[joints.smooth]\nfriction = 5\n[joints.default]\nfriction = 5\ncohesion = 0\n"
+      "[rock]\ndensity = 2700\n[stability]\nfree = [\"south\", \"north\"]\n";
+  const RunResult result = run_of(text);
+  ASSERT_TRUE(result.key_groups && result.analysis);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> key, grouped;
+  for (const stability::Batch& batch : result.analysis->batches) {
+    for (const topology::BlockId id : batch.blocks) key.emplace_back(batch.number, id.value());
+  }
+  for (const stability::KeyGroup& group : result.key_groups->groups) {
+    EXPECT_NE(group.verdict, assembly::Verdict::in_doubt);
+    for (const topology::BlockId id : group.blocks) grouped.emplace_back(group.batch, id.value());
+  }
+  std::ranges::sort(key);
+  std::ranges::sort(grouped);
+  ASSERT_EQ(key.size(), 3U);
+  EXPECT_EQ(grouped, key);
+}
+
 // Neither block needs a bolt by itself; the group needs them, and whether it would do without one is not asked.
 TEST(KeyGroupsScene, BoltsOfAGroupAreNotCalledRedundant) {
   const std::string short_ones =

@@ -408,18 +408,26 @@ class Search final {
     }
     std::vector<std::uint8_t> taken(blocks.size(), 0);
     std::vector<KeyGroup> out;
-    // Every block once: as what moves before what is in doubt, and as what translation moves before what turns.
-    for (const bool doubt : {false, true}) {
-      for (const bool moments : {false, true}) {
-        for (const assembly::Group& group : found[moments ? 1 : 0]) {
-          if ((group.verdict == Verdict::in_doubt) != doubt) continue;
-          const assembly::Group rest = without(group, taken);
-          if (rest.bodies.empty()) continue;
-          for (const std::uint32_t b : rest.bodies) taken[b] = 1;
-          out.push_back(said(rest, blocks, batch, moments));
-        }
+    const auto add = [&](const std::vector<assembly::Group>& groups, bool doubt, bool moments) {
+      for (const assembly::Group& group : groups) {
+        if ((group.verdict == Verdict::in_doubt) != doubt) continue;
+        const assembly::Group rest = without(group, taken);
+        if (rest.bodies.empty()) continue;
+        for (const std::uint32_t b : rest.bodies) taken[b] = 1;
+        out.push_back(said(rest, blocks, batch, moments));
       }
+    };
+    // Every block once: as what moves before what is in doubt, and as what translation moves before what turns.
+    for (const bool moments : {false, true}) add(found[moments ? 1 : 0], false, moments);
+    // What few blocks do alone, whatever holds them together with others.
+    std::vector<std::uint8_t> open;
+    for (const BlockId id : blocks) open.push_back(model_.held(id, batch).exposed ? 1 : 0);
+    for (const bool moments : {false, true}) {
+      if (moments && blocks.size() > most_.turning) continue;
+      const assembly::Assembly with = moments ? whole : whole.with(Freedom::translation);
+      add(assembly::find_small_groups(with, open, taken, ask, most_.threads), false, moments);
     }
+    for (const bool moments : {false, true}) add(found[moments ? 1 : 0], true, moments);
     std::ranges::sort(out, {}, [](const KeyGroup& g) { return g.blocks.front(); });
     return out;
   }

@@ -4,6 +4,7 @@
 #include <expected>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -157,5 +158,13 @@ struct Groups {
 enum class Ask : std::uint8_t { verdicts, factors };
 /// All groups of one state; the same for any number of threads, which is at least 1.
 [[nodiscard]] Groups find_groups(const Assembly& assembly, Ask ask = Ask::factors, unsigned threads = 1);
+
+/// Single bodies, and pairs of neighbours, that move while all others are taken to be fixed, by first body. Where the
+/// assembly as a whole was found at rest, its other bodies hold them with forces that hang on how it came to rest (two
+/// that would slide clamp a third between them): unsafe at least. `open` and `taken`, one a body: bodies marked in
+/// `open` are looked at, with their neighbours; none that is marked in `taken`.
+[[nodiscard]] std::vector<Group> find_small_groups(const Assembly& assembly, std::span<const std::uint8_t> open,
+                                                   std::span<const std::uint8_t> taken, Ask ask = Ask::factors,
+                                                   unsigned threads = 1);
 
 }  // namespace cleave::assembly
