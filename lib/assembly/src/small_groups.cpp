@@ -14,21 +14,12 @@ namespace {
 std::vector<Group> moving_among(const Assembly& assembly, const std::vector<std::uint32_t>& bodies, Ask ask) {
   const Assembly part = assembly.part(bodies, Assembly::Others::fixed);
   if (!(project(part, std::numeric_limits<double>::infinity()).largest > slow)) return {};
-  Start start = start_from_rest(part, 1);
-  if (start.found != FromRest::moves) return {};
+  if (start_from_rest(part, 1).found != FromRest::moves) return {};
   std::vector<Group> out = find_groups(part, ask).groups;
   std::erase_if(out, [](const Group& group) { return group.verdict == Verdict::in_doubt; });
   for (Group& group : out) {
     for (std::uint32_t& b : group.bodies) b = bodies[b];
   }
-  if (!out.empty()) return out;
-  Group& moves = out.emplace_back();
-  moves.bodies = bodies;
-  moves.verdict = Verdict::unsafe;
-  moves.motion = std::move(start.motion);
-  moves.up.factor = std::numeric_limits<double>::infinity();
-  moves.moving = {.factor = 1, .settled = false};
-  moves.factors = false;
   return out;
 }
 
