@@ -14,8 +14,8 @@ using namespace test;
 
 using Marks = std::vector<std::uint8_t>;
 
-/// A load of 1 that hangs between two blocks on a smooth floor, each pressed against it with `press`: friction of 0.5 at
-/// both faces holds it from a press of 1 on.
+/// A load of 1 that hangs between two blocks on a smooth floor, each pressed against it with `press`: friction of 0.5
+/// at both faces holds it from a press of 1 on.
 Builder clamped(double press) {
   Builder b{Freedom::section_translation};
   b.block({0, 0, -1}, 1);
@@ -50,9 +50,9 @@ TEST(SmallGroups, AreLookedForWhereAsked) {
   EXPECT_EQ(find_small_groups(rests, Marks(3, 1), Marks(3, 0), Ask::factors, 3).size(), 1U);
 }
 
-/// A load of 3 on 45 degrees pushes a toe of 1 on level rock, with a smooth face between them, all friction 0.3; each is
-/// pressed from both sides with `press` by blocks of its own, friction 0.5. Without the sides the toe moves with
-/// 3 (1 - m) / (1 + m) - m > 0 to spare; each alone stays.
+/// A load of 3 on 45 degrees pushes a toe of 1 on level rock, with a smooth face between them, all friction 0.3; each
+/// is pressed from both sides with `press` by blocks of its own, friction 0.5. Without the sides the toe moves with 3
+/// (1 - m) / (1 + m) - m > 0 to spare; each alone stays.
 Builder slab_and_toe(double press) {
   Builder b{Freedom::translation};
   b.block({0, 0, -3}, 3);

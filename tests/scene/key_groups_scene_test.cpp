@@ -510,16 +510,17 @@ TEST(KeyGroupsScene, OrdersOfJointsChangeNothing) {
   EXPECT_EQ(groups(), as_given);
 }
 
-// A block with vertical sides hangs over a cavity between two that would slide at it on 60 degrees: they clamp it, and as
-// a whole they rest. Alone it falls, and without it they slide: all of it moves, as key blocks say.
+// A block with vertical sides hangs over a cavity between two that would slide at it on 60 degrees: they clamp it, and
+// as a whole they rest. Alone it falls, and without it they slide: all of it moves, as key blocks say.
 TEST(KeyGroupsScene, WhatNeighboursClampAndWhatItHeldMoves) {
   std::string text =
       "[domain]\nbox = { min = [-6, 0, -4], max = [6, 1, 6] }\n[[excavation]]\nname = \"cavity\"\n"
       "kind = \"polyhedron\"\nbox = { min = [-1, -1, -3], max = [1, 2, 0] }\n";
   const auto joint = [&](double x1, double z1, double x2, double z2, std::string_view set) {
-    text += fmt::format("[[joint]]\nset = \"{4}\"\npolygon = [[{0}, -1, {1}], [{2}, -1, {3}], [{2}, 2, {3}], [{0}, 2, "
-                        "{1}]]\n",
-                        x1, z1, x2, z2, set);
+    text += fmt::format(
+        "[[joint]]\nset = \"{4}\"\npolygon = [[{0}, -1, {1}], [{2}, -1, {3}], [{2}, 2, {3}], [{0}, 2, "
+        "{1}]]\n",
+        x1, z1, x2, z2, set);
   };
   const double wide = 1 + 2 / std::tan(60 * std::numbers::pi / 180) + 0.001;
   const double high = (wide - 1) * std::tan(60 * std::numbers::pi / 180);

@@ -64,7 +64,8 @@ class SmallSearch final {
 
   /// What is found first is taken; a set of which some was taken is left to the next state.
   void look_at(const std::vector<std::vector<std::uint32_t>>& sets) {
-    auto found = parallel_map(sets.size(), threads_, [&](std::size_t k) { return moving_among(assembly_, sets[k], ask_); });
+    auto found =
+        parallel_map(sets.size(), threads_, [&](std::size_t k) { return moving_among(assembly_, sets[k], ask_); });
     for (std::vector<Group>& groups : found) {
       for (Group& group : groups) {
         if (std::ranges::any_of(group.bodies, [&](std::uint32_t b) { return taken_[b] != 0; })) continue;
