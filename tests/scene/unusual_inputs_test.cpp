@@ -110,6 +110,24 @@ TEST(UnusualInputs, ShotcreteAndStressOfOtherConventions) {
             Said{});
 }
 
+// As the table of keys says.
+TEST(UnusualInputs, RingsWithoutAnArcLeaveTheFloor) {
+  const auto bolts = [](const std::string& arc) {
+    return scene_of("[domain]\nbox = { min = [0, 0, 0], max = [8, 8, 6] }\n" + joints_and_rock + strength +
+                    "[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\nsection = { shape = \"rectangle\", width = 2, "
+                    "height = 2 }\n"
+                    "axis = [[4, 0, 3], [4, 8, 3]]\n[support]\n[[support.bolts]]\ntunnel = \"t\"\n"
+                    "tendon_capacity = 200e3\nbond_strength = 200e3\nspacing = [1, 1]\nlength = 4\nanchorage = 0.5\n" +
+                    arc)
+        .support->plan.bolts.size();
+  };
+  EXPECT_EQ(bolts(""), bolts("arc = [-120, 120]\n"));
+  // 9 rings of 6 m, both ends bolted; of 8 m all round, where the last bolt would stand where the first one does.
+  EXPECT_EQ(bolts(""), 63U);
+  EXPECT_EQ(bolts("arc = [-180, 180]\n"), 72U);
+  EXPECT_EQ(bolts("arc = [-180, 180]\noffset = [0, 0.5]\n"), 72U);
+}
+
 TEST(UnusualInputs, PatternsAndLawsThatHoldNothing) {
   const auto with = [](const std::string& bolts) {
     return texts(joints_and_rock + strength +

@@ -48,7 +48,7 @@ std::string cards_beyond_single_blocks(const Page& page) {
     } else {
       out += key_figure(
           "Key groups", link + display_count(groups.count) + end,
-          display(groups.volume_m3) + " m³ that move only together; " + display_count(groups.in_doubt) + " in doubt",
+          display(groups.volume_m3) + " m³ that move, together or alone; " + display_count(groups.in_doubt) + " in doubt",
           shown > 0 ? "warn" : "");
     }
   }

@@ -82,8 +82,9 @@ const KeyTable& group_keys() {
              {"spacing", key::pair(spacing_rule), "",
               "m: along the axis and around the section; of a grid across and down the dip"},
              {"offset", key::pair(rule::length_or_zero), "[0, 0]", "m, of the first bolt"},
-             {"arc", key::pair(arc_rule), "all round",
-              "of rings: degrees from up to the right in which the wall's normal must lie"},
+             {"arc", key::pair(arc_rule), "[-120, 120]",
+              "of rings: degrees from up to the right in which the wall's normal must lie; the default is all but the "
+              "floor, [-180, 180] all round"},
              {"inclination", key::number(inclination_rule), "0",
               "of rings: degrees from the normal towards the axis's end"},
              {"plunge", key::number(plunge_rule), "",

@@ -19,6 +19,7 @@ struct Arc {
   };
   std::vector<Edge> edges;
   double length = 0;
+  bool closed = false;  ///< all of the outline
 };
 
 /// The outline's edges within the arc, in order, beginning after one that is not.
@@ -46,13 +47,24 @@ Arc arc_of(const RingPattern& pattern) {
     arc.edges.push_back({a, b, std::hypot(b[0] - a[0], b[1] - a[1])});
     arc.length += arc.edges.back().length;
   }
+  arc.closed = arc.edges.size() == n;
   return arc;
 }
 
+/// A spacing that divides the length is meant to.
+double rounding(double length) { return 1e-9 * std::max(1.0, length); }
+
 std::size_t count(double length, double offset, double spacing) {
-  // A spacing that divides the length is meant to.
-  const double room = length - offset + 1e-9 * std::max(1.0, length);
+  const double room = length - offset + rounding(length);
   return room < 0 ? 0 : static_cast<std::size_t>(std::floor(room / spacing)) + 1;
+}
+
+/// Of a ring. All round the last bolt must not stand where the first one does.
+std::size_t count(const Arc& arc, double offset, double spacing) {
+  const std::size_t all = count(arc.length, offset, spacing);
+  const bool meets =
+      arc.closed && all > 1 && static_cast<double>(all - 1) * spacing > arc.length - rounding(arc.length);
+  return meets ? all - 1 : all;
 }
 
 }  // namespace
@@ -80,7 +92,7 @@ std::vector<Bolt> bolts_of(const RingPattern& pattern) {
     const auto& [ahead, right, up] = frames[leg];
     const Vec3 centre = pattern.axis[leg] + station * ahead;
     const double shift = pattern.stagger && ring % 2 == 1 ? 0.5 * pattern.around.si() : 0;
-    const std::size_t in_ring = count(arc.length, pattern.offset_around.si() + shift, pattern.around.si());
+    const std::size_t in_ring = count(arc, pattern.offset_around.si() + shift, pattern.around.si());
     for (std::size_t k = 0; k < in_ring; ++k) {
       double s = pattern.offset_around.si() + shift + static_cast<double>(k) * pattern.around.si();
       std::size_t e = 0;
