@@ -20,7 +20,8 @@ namespace {
 
 std::string pressure_table(const std::vector<scene::PressureFigures>& pressures) {
   if (pressures.empty()) return {};
-  return "<p class=\"small\">Support pressure by place, as shares of the free faces below their target.</p>\n" +
+  return "<p class=\"small\">Support pressure by place, as shares of the free faces of single blocks below their "
+         "target. Groups of blocks are not in it.</p>\n" +
          html_table({{"place"},
                      {"area_m2", {}, 3},
                      {"p50_pa", "Half (kPa)", 3},

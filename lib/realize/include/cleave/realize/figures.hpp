@@ -457,7 +457,8 @@ void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_
     "that 95 % of the free faces below their target need at the neediest place of `pressures`; null: none is enough");
   v("largest_required_pressure_reason",
     when(!std::isfinite(x.largest_required_pressure_pa), "no pressure is enough at the neediest place"));
-  v("pressures", when_any(x.pressures), "pressure diagram: by place, as percentiles of area");
+  v("pressures", when_any(x.pressures),
+    "pressure diagram of single blocks: by place, as percentiles of area; groups are not in it");
   v("small_blocks", x.small_blocks, "with less free face than spot_area");
   v("small_not_held", x.small_not_held);
   v("small_required_force_n", or_null(x.small_required_force_n), "null: none is enough");
