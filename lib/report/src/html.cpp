@@ -46,10 +46,10 @@ std::string cards_beyond_single_blocks(const Page& page) {
     if (!groups.judged) {
       out += key_figure("Key groups", "not judged", "too many blocks near free faces to be judged together", "warn");
     } else {
-      out += key_figure(
-          "Key groups", link + display_count(groups.count) + end,
-          display(groups.volume_m3) + " m³ that move, together or alone; " + display_count(groups.in_doubt) + " in doubt",
-          shown > 0 ? "warn" : "");
+      out += key_figure("Key groups", link + display_count(groups.count) + end,
+                        display(groups.volume_m3) + " m³ that move, together or alone; " +
+                            display_count(groups.in_doubt) + " in doubt",
+                        shown > 0 ? "warn" : "");
     }
   }
   const auto& keys = page.figures().key_blocks;
