@@ -33,6 +33,21 @@ TEST(Verdicts, OfTheCases) {
             Verdict::stands);
 }
 
+/// A block of weight 1 and mass 1 on 31 degrees under 30 degrees of friction slides with this.
+Vec3 down_the_slope() {
+  const double acceleration = sin_deg(31) - cos_deg(31) * tan_deg(30);
+  return {acceleration * cos_deg(31), 0, -acceleration * sin_deg(31)};
+}
+
+// The proof of what is certain opens joints as it slips; the motion told is that of Coulomb's law.
+TEST(Verdicts, MotionIsThatFromRest) {
+  const Judged found = judge(single({{plane(31, 90), tan_deg(30)}}).made());
+  EXPECT_EQ(found.verdict, Verdict::certain);
+  ASSERT_EQ(found.motion.size(), 1U);
+  EXPECT_NEAR(norm(found.motion[0].velocity - down_the_slope()), 0, 1e-9);
+  EXPECT_GT(norm(found.moves->motion()[0].velocity - down_the_slope()), 1e-3);
+}
+
 TEST(Verdicts, FactorsFarApartAreInDoubt) {
   const Judged columns = judge(toppling_columns(38.6598).made());
   EXPECT_EQ(columns.verdict, Verdict::in_doubt);
@@ -142,6 +157,10 @@ TEST(KeyGroups, TellGroupsFromWhatHolds) {
   EXPECT_EQ(found.groups[1].verdict, Verdict::certain);
   EXPECT_TRUE(found.groups[1].proof.has_value());
   EXPECT_NEAR(found.groups[1].up.factor, tan_deg(30) / tan_deg(31), 1e-7);
+  // The proof opens the joint by 30 degrees; what moves slides along it.
+  ASSERT_EQ(found.groups[1].motion.size(), 1U);
+  EXPECT_NEAR(norm(found.groups[1].motion[0].velocity - down_the_slope()), 0, 1e-9);
+  EXPECT_GT(norm(found.groups[1].proof->motion()[0].velocity - down_the_slope()), 1e-3);
   EXPECT_EQ(found.held, 1U);
 }
 

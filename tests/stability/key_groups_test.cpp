@@ -67,6 +67,13 @@ TEST(KeyGroupsTest, OneBlockIsAsBefore) {
   EXPECT_EQ(found.groups[0].blocks, alone.batches[0].blocks);
   EXPECT_NEAR(found.groups[0].factor_move, std::tan(std::numbers::pi / 6) / slope, 1e-6);
   EXPECT_NEAR(alone.judgements[0].factor_of_safety, found.groups[0].factor_move, 1e-6);
+  // It moves down its joint, under what friction leaves.
+  EXPECT_NEAR(norm(found.groups[0].direction - alone.judgements[0].direction), 0, 1e-6);
+  Analysis none;
+  decide_by_groups(complex, settings, found, none);
+  ASSERT_EQ(none.judgements.size(), 1U);
+  EXPECT_NEAR(none.judgements[0].net / alone.judgements[0].net, 1, 1e-6);
+  EXPECT_NEAR(norm(none.judgements[0].direction - alone.judgements[0].direction), 0, 1e-6);
 }
 
 // "decide": the group's blocks become key blocks of its batch.
@@ -86,6 +93,20 @@ TEST(KeyGroupsTest, BecomeKeyBlocks) {
     EXPECT_EQ(it->batch, 1U);
     // The lesser of both.
     EXPECT_NEAR(it->factor_of_safety, 0.894759, 1e-5);
+  }
+}
+
+// So does a block that no direction frees by itself: it has the factor of its group.
+TEST(KeyGroupsTest, BecomeKeyBlocksWhereNothingWasSaidOfThemAlone) {
+  const auto complex = audited(slab_behind_toe());
+  const Settings settings = statics::settings({strength(30)});
+  Analysis analysis;
+  decide_by_groups(complex, settings, find_key_groups(complex, settings), analysis);
+  ASSERT_EQ(analysis.judgements.size(), 2U);
+  for (const Judgement& judgement : analysis.judgements) {
+    EXPECT_EQ(judgement.mode, Mode::tapered);
+    EXPECT_NEAR(judgement.factor_of_safety, 0.894759, 1e-5);
+    EXPECT_GT(judgement.net.si(), 0);
   }
 }
 

@@ -96,7 +96,8 @@ Judged judge(const Assembly& assembly) {
   if (drive.largest > slow) {
     if (auto proof = check_motion(assembly, 1, drive.motion)) {
       out.verdict = Verdict::certain;
-      out.motion = drive.motion;
+      Start start = start_from_rest(assembly, 1);
+      out.motion = start.found == FromRest::moves ? std::move(start.motion) : drive.motion;
       out.moves = std::move(*proof);
       return out;
     }
@@ -164,6 +165,9 @@ class Search final {
     for (std::size_t k = 1; k < begun.size(); ++k) add_moving(begun[k], open);
     look_closer(std::move(open));
     look_weaker(forces);
+    for (Group& group : groups_) {
+      if (group.verdict == Verdict::certain) give_motion(group, begun);
+    }
     // What is certain counts all cohesion; what may move counts what is pressed.
     const Assembly counting = with_bonds(island_, counts_);
     parallel_for(groups_.size(), threads_, [&](std::size_t k) { give_factors(groups_[k], counting); });
@@ -222,6 +226,29 @@ class Search final {
         add(std::move(members), Verdict::certain, std::move(motion)).proof = std::move(*proof);
       }
     }
+  }
+
+  /// The motion of a proof opens joints as it slips: it is no motion of rock, and the group's is that from rest. Of the
+  /// first search in which all of its bodies move; else of the group alone; else of the search in which most do. Where
+  /// none moves it stays that of the proof.
+  void give_motion(Group& group, const std::vector<Begun>& begun) const {
+    std::ptrdiff_t most = 0;
+    const auto count = [&](const std::vector<std::uint8_t>& moving, const auto& motion_of) {
+      const auto here = std::ranges::count(moving, 1);
+      if (here > most) {
+        most = here;
+        group.motion = motion_of();
+      }
+      return most == std::ssize(group.bodies);
+    };
+    for (const Begun& search : begun) {
+      const std::vector<std::uint8_t> all = moving_ones(search.start.speed);
+      std::vector<std::uint8_t> own;
+      for (const std::uint32_t b : group.bodies) own.push_back(all[b]);
+      if (count(own, [&] { return of_members(search.start.motion, group.bodies); })) return;
+    }
+    const Start alone = start_from_rest(island_.part(group.bodies, Assembly::Others::fixed), 1);
+    if (count(moving_ones(alone.speed), [&] { return alone.motion; })) return;
   }
 
   void take(std::vector<std::uint8_t> among, Verdict verdict, const Motion& motion) {
@@ -373,7 +400,7 @@ class Search final {
         const Freedom turning = flat(island_.freedom()) ? Freedom::section : Freedom::rigid;
         // More freedoms never raise what admits balance.
         group.turning = moving_factor(pressed.with(turning), group.up.factor, accuracy);
-        group.turning->factor = std::min(group.turning->factor, 1.0);
+        group.turning->factor = std::min({group.turning->factor, group.moving.factor, 1.0});
       }
     }
     // It moves at strengths as they are.

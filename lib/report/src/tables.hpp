@@ -153,7 +153,9 @@ void fields(V& v, const KeyBlockRow& x) {
   v("net_force_n", x.j.net,
     "driving force less resistance: positive when unstable; of a block that moves only in its group what is out of "
     "balance, mass times acceleration");
-  v("factor_of_safety", x.j.factor_of_safety, "`inf` when nothing drives the block");
+  v("factor_of_safety", x.j.factor_of_safety,
+    "`inf` when nothing drives the block; of a block that moves only in its group that of the group, 1 where it is too "
+    "large for factors");
   v("faces", x.faces, "how many faces the block has");
   v("joints", x.joints, "numbers of the joints it touches, joined by `;`");
   if (x.parts.force_transfer) transferred_fields(v, x.j);

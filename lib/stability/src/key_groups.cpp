@@ -198,6 +198,8 @@ void decide_by_groups(const topology::AuditedComplex& complex, const Settings& s
       if (it == analysis.judgements.end() || it->block != id) {
         it = analysis.judgements.insert(it, {.block = id, .mode = Mode::tapered});
         it->weight = model.weight(block);
+        // Nothing was asked of it alone.
+        it->factor_of_safety = std::numeric_limits<double>::infinity();
       }
       if (it->batch) continue;
       it->key = true;

@@ -132,7 +132,7 @@ struct Judged {
   Verdict verdict = Verdict::in_doubt;
   StaticFactor up;
   MovingFactor moving;
-  Motion motion;  ///< of `certain` and `unsafe`, m/s2 and 1/s2
+  Motion motion;  ///< of `certain` and `unsafe` from rest, m/s2 and 1/s2
   std::optional<MotionCertificate> moves;
   std::optional<RestCertificate> stands;
 };
@@ -142,7 +142,9 @@ struct Judged {
 struct Group {
   std::vector<std::uint32_t> bodies;  ///< ascending
   Verdict verdict = Verdict::in_doubt;
-  Motion motion;  ///< of `bodies`, one after the other; zero when in doubt
+  /// Of `bodies`, one after the other, from rest under Coulomb's law; zero when in doubt, and for a body of a certain
+  /// group that moves only as its proof does.
+  Motion motion;
   std::optional<MotionCertificate> proof;
   StaticFactor up;
   MovingFactor moving;
