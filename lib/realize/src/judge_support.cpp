@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -102,7 +103,7 @@ class PlanCheck {
   /// Where `has_groups`.
   [[nodiscard]] stability::GroupSupport groups(const stability::SupportPlan& plan,
                                                const stability::SupportResult& result) const {
-    return check_groups(*complex_, settings_, plan, result, *below_, together_);
+    return check_groups(*complex_, settings_, plan, result, *below_, *untied_, together_);
   }
 
  private:
@@ -110,6 +111,7 @@ class PlanCheck {
   stability::Settings settings_;
   const stability::Analysis* analysis_;
   std::optional<stability::KeyGroups> below_;
+  std::unique_ptr<assembly::UntiedSets> untied_ = std::make_unique<assembly::UntiedSets>();
   stability::Together together_;
   std::vector<topology::BlockId> undecided_;
 };

@@ -75,9 +75,10 @@ class Search final {
   /// With ties between blocks. `begin`: the first state is looked at around these alone; what moves without ties is
   /// among them.
   Search(const topology::BlockComplex& complex, const Settings& settings, const Together& most, const Ties& ties,
-         std::vector<BlockId> begin)
+         std::vector<BlockId> begin, assembly::UntiedSets& untied)
       : Search{complex, settings, most} {
     ties_ = &ties;
+    untied_ = &untied;
     begin_ = std::move(begin);
   }
 
@@ -425,7 +426,7 @@ class Search final {
     for (const bool moments : {false, true}) {
       if (moments && blocks.size() > most_.turning) continue;
       const assembly::Assembly with = moments ? whole : whole.with(Freedom::translation);
-      add(assembly::find_small_groups(with, open, taken, ask, most_.threads), false, moments);
+      add(assembly::find_small_groups(with, open, taken, ask, most_.threads, untied_), false, moments);
     }
     for (const bool moments : {false, true}) add(found[moments ? 1 : 0], true, moments);
     std::ranges::sort(out, {}, [](const KeyGroup& g) { return g.blocks.front(); });
@@ -456,6 +457,7 @@ class Search final {
 
   Model model_;
   const Ties* ties_ = nullptr;
+  assembly::UntiedSets* untied_ = nullptr;
   std::vector<BlockId> begin_;               ///< empty: all that have something open
   std::vector<BlockId> left_;                ///< in the batch before
   IdVector<BlockId, std::uint8_t> doubted_;  ///< said to be in doubt
@@ -476,8 +478,8 @@ KeyGroups first_groups(const topology::BlockComplex& complex, const Settings& se
 }
 
 KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& settings, const Together& most,
-                        const Ties& ties, std::vector<BlockId> begin) {
-  return Search{complex, settings, most, ties, std::move(begin)}.run();
+                        const Ties& ties, std::vector<BlockId> begin, assembly::UntiedSets& untied) {
+  return Search{complex, settings, most, ties, std::move(begin), untied}.run();
 }
 
 std::vector<BlockId> groups_at_border(const topology::BlockComplex& complex, const Settings& settings,

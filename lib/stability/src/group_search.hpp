@@ -16,9 +16,10 @@ namespace cleave::stability {
                                      const Together& most);
 
 /// With ties between blocks. `begin`: the first state is looked at around these alone; what moves without ties is among
-/// them.
+/// them. `untied`: what is known of these blocks without ties.
 [[nodiscard]] KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& settings,
-                                      const Together& most, const Ties& ties, std::vector<topology::BlockId> begin);
+                                      const Together& most, const Ties& ties, std::vector<topology::BlockId> begin,
+                                      assembly::UntiedSets& untied);
 
 /// Of what moves when the blocks of the border may, their sides smooth, and `gone` has left: groups with one of them.
 /// Ascending.

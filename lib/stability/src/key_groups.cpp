@@ -109,18 +109,21 @@ KeyGroups groups_below_target(const topology::AuditedComplex& complex, const Set
 
 GroupSupport check_groups(const topology::AuditedComplex& complex, const Settings& settings, const SupportPlan& plan,
                           const SupportResult& support, const Together& most) {
-  return check_groups(complex, settings, plan, support, groups_below_target(complex, settings, plan, most), most);
+  assembly::UntiedSets untied;
+  return check_groups(complex, settings, plan, support, groups_below_target(complex, settings, plan, most), untied,
+                      most);
 }
 
 GroupSupport check_groups(const topology::AuditedComplex& complex, const Settings& settings, const SupportPlan& plan,
-                          const SupportResult& support, KeyGroups below, const Together& most) {
+                          const SupportResult& support, KeyGroups below, assembly::UntiedSets& untied,
+                          const Together& most) {
   GroupSupport out{.below = std::move(below), .left = {}};
   if (out.below.groups.empty()) return out;
   const Settings reduced = with_strengths_over(settings, plan.target_sliding);
   const Ties ties{complex.complex(), reduced, plan, support.bolts, out.below};
   std::vector<BlockId> moving;
   for (const KeyGroup& group : out.below.groups) moving.insert(moving.end(), group.blocks.begin(), group.blocks.end());
-  out.left = search_groups(complex.complex(), reduced, most, ties, ties.with_tied(std::move(moving)));
+  out.left = search_groups(complex.complex(), reduced, most, ties, ties.with_tied(std::move(moving)), untied);
   // What only the search with support could not decide.
   for (const KeyGroup& group : out.left.groups) {
     const auto shares = [&](const KeyGroup& other) {

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <expected>
 #include <limits>
+#include <map>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -161,12 +163,25 @@ enum class Ask : std::uint8_t { verdicts, factors };
 /// All groups of one state; the same for any number of threads, which is at least 1.
 [[nodiscard]] Groups find_groups(const Assembly& assembly, Ask ask = Ask::factors, unsigned threads = 1);
 
+/// What small sets of bodies do without ties: asked once where the same blocks are looked at under many supports. Threads
+/// may share it.
+class UntiedSets final {
+ public:
+  /// Whether an assembly without ties was not found at rest.
+  [[nodiscard]] bool may_move(const Assembly& assembly);
+
+ private:
+  std::mutex lock_;
+  std::map<std::vector<double>, bool> known_;  ///< by all numbers of an assembly
+};
+
 /// Single bodies, and pairs of neighbours, that move while all others are taken to be fixed, by first body. Where the
 /// assembly as a whole was found at rest, its other bodies hold them with forces that hang on how it came to rest (two
 /// that would slide clamp a third between them): unsafe at least. `open` and `taken`, one a body: bodies marked in
-/// `open` are looked at, with their neighbours; none that is marked in `taken`.
+/// `open` are looked at, with their neighbours; none that is marked in `taken`. Ties pull at what opens and push
+/// nothing: what rests without them is not looked at with them. `untied`: where that is known from.
 [[nodiscard]] std::vector<Group> find_small_groups(const Assembly& assembly, std::span<const std::uint8_t> open,
                                                    std::span<const std::uint8_t> taken, Ask ask = Ask::factors,
-                                                   unsigned threads = 1);
+                                                   unsigned threads = 1, UntiedSets* untied = nullptr);
 
 }  // namespace cleave::assembly

@@ -114,12 +114,12 @@ struct GroupSupport {
                                         const SupportPlan& plan, const SupportResult& support,
                                         const Together& most = most_together);
 /// `GroupSupport::below` alone, which depends on nothing of the plan but its targets: made once, many plans are
-/// checked.
+/// checked. `untied`, empty at first, goes from plan to plan.
 [[nodiscard]] KeyGroups groups_below_target(const topology::AuditedComplex& complex, const Settings& settings,
                                             const SupportPlan& plan, const Together& most = most_together);
 [[nodiscard]] GroupSupport check_groups(const topology::AuditedComplex& complex, const Settings& settings,
                                         const SupportPlan& plan, const SupportResult& support, KeyGroups below,
-                                        const Together& most = most_together);
+                                        assembly::UntiedSets& untied, const Together& most = most_together);
 /// Makes bolts that no single block or stitched body needs those of a group, where they pull at blocks of one that is
 /// below its target, held or not: whether it would do without one of them is not asked, so that none of them counts as
 /// redundant. `groups` is of this support.
