@@ -283,6 +283,27 @@ TEST(EnsembleTest, HeavyTailIsFlaggedWithABootstrap) {
   EXPECT_FALSE(find(l, "key_block_volume_m3").bootstrap.has_value());
 }
 
+// A lognormal tail seen in few realizations has no end; the rock has.
+TEST(EnsembleTest, NoMeanOfVolumesIsAboveTheRockThereIs) {
+  EnsembleOptions bounded = options();
+  bounded.rock = Volume::from_si(5000);
+  Ensemble free{options()}, ends{bounded};
+  const auto add = [](Ensemble& ensemble) {
+    std::uint64_t k = 0;
+    for (const double volume : {0.002, 0.001, 300.0, 0.004, 2000.0}) ensemble.add(record(k++, {volume}), "r");
+  };
+  add(free);
+  add(ends);
+  const Figures f = free.figures(), e = ends.figures();
+  for (const std::string_view name : {"key_block_volume_m3", "key_block_largest_m3", "key_block_mean_volume_m3",
+                                      "key_block_mean_volume_per_realization_m3"}) {
+    EXPECT_GT(find(f, name).high, 5000) << name;
+    EXPECT_EQ(find(e, name).high, 5000) << name;
+    EXPECT_EQ(find(e, name).low, find(f, name).low) << name;
+  }
+  EXPECT_EQ(find(e, "support_force_n").high, find(f, "support_force_n").high);
+}
+
 // The largest pressure on a block hangs on the thinnest sliver met: its mean is no figure to go by, and says so.
 TEST(EnsembleTest, MeansOverSliversAreNotEstimable) {
   Ensemble slivers{options()}, none{options()};

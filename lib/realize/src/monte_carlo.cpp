@@ -67,6 +67,7 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
                                       .confidence = scene.monte_carlo ? scene.monte_carlo->confidence : 0.95,
                                       .volumes_m3 = questions.volumes_m3,
                                       .tunnel_length_m = {},
+                                      .rock = scene.domain.volume(),
                                       .chainage_parts = questions.chainage_parts,
                                       .seed = scene.seed,
                                       .support = scene.support.has_value(),

@@ -55,9 +55,14 @@ Estimate Ensemble::estimate(std::string name, const Moments& m, const Tail& tail
         with_tail(skew_interval(e.mean, e.standard_error, skewness, m.count(), options_.confidence, widening), e.mean,
                   tail, m.count(), options_.confidence);
     e.low = m.smallest() >= 0 ? std::max(0.0, t.low) : t.low;
-    e.high = t.high;
+    e.high = upper_end(e.name, e.mean, t.high);
   }
   return e;
+}
+
+double Ensemble::upper_end(std::string_view name, double mean, double high) const {
+  const bool of_blocks = name.ends_with("_m3");
+  return of_blocks && options_.rock ? std::max(mean, std::min(high, options_.rock->si())) : high;
 }
 
 Estimate Ensemble::estimate(const Quantity& q, const Moments& moments, const Tail& tail) const {
@@ -92,7 +97,7 @@ Estimate Ensemble::ratio_estimate(std::string name, const PairMoments& pair, con
   } else if (pair.count() >= 2) {
     interval = with_tail(skew_interval(r, se, skewness, pair.count(), options_.confidence, widening), r, tail,
                          pair.count(), options_.confidence);
-    interval.low = std::max(0.0, interval.low);
+    interval = {std::max(0.0, interval.low), upper_end(name, r, interval.high)};
   }
   return {.name = std::move(name),
           .method = Method::ratio,

@@ -203,6 +203,8 @@ struct EnsembleOptions {
   double confidence = 0.95;
   std::vector<double> volumes_m3;
   std::optional<double> tunnel_length_m;
+  /// Of all rock there is: no mean of volumes lies above, however long their tail.
+  std::optional<Volume> rock = {};
   std::uint32_t chainage_parts = 0;
   std::uint64_t seed = 1;                ///< of the bootstrap
   bool support = false;                  ///< a support design was checked
@@ -290,6 +292,8 @@ class Ensemble final {
   /// With the interval of a probability where it is one.
   [[nodiscard]] Estimate estimate(const Quantity& quantity, const Moments& moments, const Tail& tail) const;
   [[nodiscard]] Estimate estimate(std::string name, const Moments& moments, const Tail& tail, Method method) const;
+  /// The upper end of the interval of a mean, no farther up than it can be.
+  [[nodiscard]] double upper_end(std::string_view name, double mean, double high) const;
   /// `most`: independent trials that there can be at most.
   [[nodiscard]] Interval share_interval(const PairMoments& pair, double most) const;
   [[nodiscard]] Estimate ratio_estimate(std::string name, const PairMoments& pair, const Tail& tail, bool share) const;
