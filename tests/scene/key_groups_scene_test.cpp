@@ -221,12 +221,35 @@ TEST(KeyGroupsScene, OfEachLoadCase) {
   EXPECT_EQ(notes_with(noted, "load case quake: 1 key group (555 m3)"), 1U);
   EXPECT_EQ(notes_with(noted, "load case calm"), 0U);
   EXPECT_TRUE(noted.load_cases[1].analysis.batches.empty());
+  // No key block, and yet the rock moves: the figures of each case say how much, and which is the worst.
+  const Figures& figures = noted.figures;
+  EXPECT_EQ(figures.key_blocks->in_all->count, 0U);
+  EXPECT_EQ(figures.load_cases[0].figures.in_all->count, 0U);
+  EXPECT_EQ(figures.load_cases[1].figures.count, 0U);
+  EXPECT_EQ(figures.load_cases[1].figures.in_all->count, 2U);
+  EXPECT_NEAR(figures.load_cases[1].figures.in_all->volume.si(), 555, 1e-6);
+  EXPECT_EQ(figures.load_cases[1].groups->count, 1U);
+  EXPECT_EQ(figures.governing_case, "quake");
   // Where groups decide, they are key blocks of their case.
   const RunResult decided = run_of(active_and_passive(30) + "groups = \"decide\"\n" + cases);
   EXPECT_TRUE(decided.load_cases[0].analysis.batches.empty());
   ASSERT_EQ(decided.load_cases[1].analysis.batches.size(), 1U);
   EXPECT_EQ(decided.load_cases[1].analysis.batches[0].blocks.size(), 2U);
   EXPECT_EQ(notes_with(decided, "load case quake: 2 key blocks, 0 in the base case"), 1U);
+  EXPECT_EQ(decided.figures.load_cases[1].figures.in_all->count, 2U);
+  EXPECT_EQ(decided.figures.governing_case, "quake");
+}
+
+// Of cases under which nothing moves the one with the lowest factor governs; with no load case nothing does.
+TEST(KeyGroupsScene, TheCaseWithTheLowestFactorGovernsWhereNothingMoves) {
+  const std::string cases = "[[load]]\nname = \"calm\"\n[[load]]\nname = \"light\"\nseismic = [-0.1, 0, 0]\n";
+  const RunResult stands = run_of(active_and_passive(40) + cases);
+  EXPECT_EQ(stands.figures.load_cases[1].figures.in_all->count, 0U);
+  EXPECT_LT(stands.figures.load_cases[1].figures.lowest_factor_of_safety,
+            stands.figures.key_blocks->lowest_factor_of_safety);
+  EXPECT_EQ(stands.figures.governing_case, "light");
+  EXPECT_EQ(run_of(active_and_passive(20)).figures.governing_case, std::nullopt);
+  EXPECT_EQ(run_of(active_and_passive(20) + "[[load]]\nname = \"calm\"\n").figures.governing_case, "base");
 }
 
 TEST(KeyGroupsScene, OfEachStage) {

@@ -4,7 +4,11 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "cleave/realize/places.hpp"
 #include "cleave/realize/run.hpp"
@@ -211,6 +215,48 @@ SupportFigures count_support(const RunResult& result, const stability::SupportRe
   return figures;
 }
 
+/// All that leaves, where blocks were judged together.
+std::optional<KeyBlockFigures::InAll> count_in_all(const RunResult& result, const stability::Analysis& analysis,
+                                                   const std::optional<stability::KeyGroups>& groups) {
+  if (!groups || groups->too_many || !result.complex) return std::nullopt;
+  std::vector<topology::BlockId> leaving;
+  for (const stability::Batch& batch : analysis.batches) {
+    leaving.insert(leaving.end(), batch.blocks.begin(), batch.blocks.end());
+  }
+  for (const stability::KeyGroup& group : groups->groups) {
+    if (group.verdict == assembly::Verdict::in_doubt) continue;
+    leaving.insert(leaving.end(), group.blocks.begin(), group.blocks.end());
+  }
+  std::ranges::sort(leaving);
+  leaving.erase(std::ranges::unique(leaving).begin(), leaving.end());
+  KeyBlockFigures::InAll out{.count = leaving.size()};
+  for (const topology::BlockId id : leaving) out.volume += result.complex->complex().blocks()[id].volume;
+  return out;
+}
+
+/// Where most moves, of equal cases where the factor is lowest: smaller is worse.
+std::pair<double, double> how_bad(const KeyBlockFigures& figures, const std::optional<KeyGroupFigures>& groups) {
+  const double moves = figures.in_all ? figures.in_all->volume.si() : figures.volume_m3;
+  const double together = groups ? groups->least_factor : std::numeric_limits<double>::infinity();
+  return {-moves, std::min(figures.lowest_factor_of_safety, together)};
+}
+
+std::optional<std::string> governing_case(const Figures& figures, const RunResult& result) {
+  if (figures.load_cases.empty() || !figures.key_blocks) return std::nullopt;
+  std::optional<KeyGroupFigures> base;
+  if (result.key_groups) base = count_key_groups(*result.key_groups);
+  std::string out = "base";
+  auto worst = how_bad(*figures.key_blocks, base);
+  for (const CaseFigures& load : figures.load_cases) {
+    const auto here = how_bad(load.figures, load.groups);
+    if (here < worst) {
+      worst = here;
+      out = load.name;
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 Figures count(const RunResult& result) {
@@ -252,10 +298,14 @@ Figures count(const RunResult& result) {
                              held.all_free.si() > 0 ? held.free_area / held.all_free : 0, held.together};
   };
   if (figures.key_blocks && result.domain_held) figures.key_blocks->domain_held = count_held(*result.domain_held);
+  if (figures.key_blocks) figures.key_blocks->in_all = count_in_all(result, *result.analysis, result.key_groups);
   for (const CaseResult& load : result.load_cases) {
-    figures.load_cases.push_back({load.name, count_key_blocks(load.analysis, target)});
-    if (load.domain_held) figures.load_cases.back().figures.domain_held = count_held(*load.domain_held);
+    CaseFigures& row = figures.load_cases.emplace_back(load.name, count_key_blocks(load.analysis, target));
+    if (load.domain_held) row.figures.domain_held = count_held(*load.domain_held);
+    if (load.groups) row.groups = count_key_groups(*load.groups);
+    row.figures.in_all = count_in_all(result, load.analysis, load.groups);
   }
+  figures.governing_case = governing_case(figures, result);
   if (result.support) figures.support = count_support(result, *result.support);
   const bool asked = result.stability && result.stability->groups != stability::GroupsCheck::off;
   const auto add_groups = [&](SupportFigures& support, const std::optional<stability::GroupSupport>& groups) {

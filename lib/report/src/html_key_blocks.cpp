@@ -92,16 +92,20 @@ std::string key_block_table(const Page& page, const std::vector<const stability:
   return std::move(table).html();
 }
 
-std::string cases_table(const std::vector<scene::CaseFigures>& cases) {
+std::string cases_table(const scene::Figures& figures) {
+  const std::vector<scene::CaseFigures>& cases = figures.load_cases;
   if (cases.empty()) return {};
   return "<h3>Under the load cases</h3>" +
          html_table({{"name", "Case"},
                      {"count", "Key blocks"},
                      {"volume_m3"},
                      {"lowest_factor_of_safety", {}, 3},
-                     {"below_target", "Below the target"}},
+                     {"below_target", "Below the target"},
+                     {"in_all_volume_m3", "Alone or together (m3)", 4, true}},
                     scene::CaseFigures{}, cases, "id=\"load-cases\"") +
-         "<p class=\"small\">Block by block: load_cases.csv.</p>\n";
+         "<p class=\"small\">" +
+         (figures.governing_case ? "Most moves under <b>" + escape_xml(*figures.governing_case) + "</b>. " : "") +
+         "Block by block: load_cases.csv.</p>\n";
 }
 
 }  // namespace
@@ -138,7 +142,7 @@ std::string key_blocks_section(const Page& page) {
                 ? " Not counted: " + display_count(held->count) + (held->count == 1 ? " block" : " blocks") +
                       " that only a side of the domain holds."
                 : "") +
-           "</p>" + cases_table(page.figures().load_cases) + "</section>\n";
+           "</p>" + cases_table(page.figures()) + "</section>\n";
   }
   out +=
       "<p class=\"small\">Every removable block that would move without friction, the largest net force first; those "
@@ -173,7 +177,7 @@ std::string key_blocks_section(const Page& page) {
                                    " near another opening, a heading or the ground the section says nothing") +
            ". The stress goes when the rock loosens: do not count on it for support.</p>";
   }
-  return out + cases_table(page.figures().load_cases) + "</section>\n";
+  return out + cases_table(page.figures()) + "</section>\n";
 }
 
 }  // namespace cleave::report

@@ -210,6 +210,12 @@ struct KeyBlockFigures {
   std::optional<std::uint64_t> below_target = {};  ///< where the scene has a target
   std::optional<std::uint64_t> turning = {};       ///< none without the rotational check
   std::optional<DomainHeldFigures> domain_held = {};
+  /// All that leaves, alone or in groups that are not in doubt; where blocks were judged together.
+  struct InAll {
+    std::uint64_t count = 0;
+    Volume volume = {};
+  };
+  std::optional<InAll> in_all = {};
 };
 template <class V>
 void fields(V& v, const KeyBlockFigures& x) {
@@ -231,9 +237,13 @@ void fields(V& v, const KeyBlockFigures& x) {
   v("domain_held_together", when(x.domain_held.has_value(), held.together),
     "of those, blocks that move only together with others");
   v("domain_held_share", when(x.domain_held.has_value(), held.share), "of the area of all free faces, theirs");
+  const KeyBlockFigures::InAll in_all = x.in_all.value_or(KeyBlockFigures::InAll{});
+  v("in_all_count", when(x.in_all.has_value(), in_all.count),
+    "key blocks and blocks of groups that move or may (`key_groups`): all that moves, alone or together; absent where "
+    "blocks were not judged together");
+  v("in_all_volume_m3", when(x.in_all.has_value(), in_all.volume));
 }
 
-/// Key blocks under one [[load]].
 /// Blocks judged together.
 struct KeyGroupFigures {
   bool judged = false;
@@ -274,14 +284,19 @@ void fields(V& v, const KeyGroupFigures& x) {
 /// `found`: at strengths over the target.
 void add_below_target(const stability::KeyGroups& found, KeyGroupFigures& figures);
 
+/// Key blocks under one [[load]].
 struct CaseFigures {
   std::string name;
   KeyBlockFigures figures;
+  std::optional<KeyGroupFigures> groups = {};
 };
 template <class V>
 void fields(V& v, const CaseFigures& x) {
   v("name", x.name);
   fields(v, x.figures);
+  const KeyGroupFigures groups = x.groups.value_or(KeyGroupFigures{});
+  v("key_groups", when(x.groups.has_value(), group([&](auto& w) { fields(w, groups); })),
+    "blocks judged together under this load; absent with groups = \"off\"");
 }
 
 /// Blocks judged together with the support.
@@ -519,6 +534,8 @@ struct Figures {
   std::optional<BlockFigures> blocks;  ///< none when the certificate did not pass
   std::optional<KeyBlockFigures> key_blocks;
   std::vector<CaseFigures> load_cases;  ///< of [[load]]
+  /// Under which load most moves; "base" is that of [stability]. With load cases.
+  std::optional<std::string> governing_case = {};
   std::optional<SupportFigures> support;
   std::vector<SupportCaseFigures> support_cases;  ///< of [[load]]
   std::optional<MaximumFigures> maximum_blocks;

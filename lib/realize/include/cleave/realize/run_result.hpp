@@ -341,6 +341,10 @@ void fields(V& v, const RunResult& x) {
                          w("hash", x.key_block_hash,
                            "of the blocks of all batches: the same whether all the rock was cut or only that near "
                            "free faces");
+                         w("governing_case", f.governing_case,
+                           "the load case under which most volume moves, alone or together; of equal ones that with "
+                           "the lowest factor of safety, then the first; `base`: the loads of [stability] alone; "
+                           "absent without [[load]]");
                          w("load_cases", when_any(f.load_cases), "under each [[load]]");
                        })),
     "Blocks that leave.");
