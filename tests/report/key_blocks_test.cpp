@@ -160,6 +160,38 @@ TEST(KeyBlocksCsv, SaysWhereABlockIs) {
   }
 }
 
+// What only the border holds: by itself with its motion, together with others without.
+TEST(BorderBlocksCsv, HasEveryBlockOfEveryCase) {
+  HandMade made{{10, 20, 30}};
+  for (int block = 0; block < 2; ++block) {
+    auto faces = box_faces({0, 0, 0}, {1, 1, 1}, Role::joint);
+    for (FaceSpec& face : faces) face.joint = 0;
+    made.block(faces, box_counts, true);
+  }
+  scene::RunResult result = result_of({});
+  result.joints.push_back(joint({0, 0, 1}, 0));
+  result.sets = IdVector<scene::SetId, scene::SetInfo>{{{"bedding", 1}}};
+  const topology::BlockId first{0U}, second{1U};
+  result.domain_held = stability::DomainHeld{.blocks = {first, second},
+                                             .alone = {{.block = second,
+                                                        .mode = stability::Mode::sliding,
+                                                        .direction = {0, 0, -1},
+                                                        .net = newtons(5),
+                                                        .factor_of_safety = 0.5}},
+                                             .together = 1};
+  result.load_cases.push_back({.name = "quake", .analysis = {}, .domain_held = stability::DomainHeld{.blocks = {first}}});
+  result.load_cases.push_back({.name = "calm", .analysis = {}});
+  const std::string csv = border_blocks_csv(std::move(made).complex(), result);
+  EXPECT_TRUE(csv.starts_with("case,block,alone,mode,volume_m3,direction_x,direction_y,direction_z,net_force_n,"
+                              "factor_of_safety,x_m,y_m,z_m,location,"))
+      << csv;
+  const std::string place = ",10,20,30,,,0,bedding,,";
+  EXPECT_TRUE(csv.contains("\nbase,0,0,,1,,,,," + place)) << csv;
+  EXPECT_TRUE(csv.contains("\nbase,1,1,sliding,1,0,0,-1,5,0.5" + place)) << csv;
+  EXPECT_TRUE(csv.contains("\nquake,0,0,,1,,,,," + place)) << csv;
+  EXPECT_EQ(std::ranges::count(csv, '\n'), 4) << csv;
+}
+
 TEST(KeyBlocksCsv, TheFaceOfACutIsASlopeOrABench) {
   HandMade made;
   stability::Analysis analysis;

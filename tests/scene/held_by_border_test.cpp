@@ -39,6 +39,16 @@ TEST(HeldByTheBorder, ASliceOfASlopeThatIsHeldByItsOwnSidesIsTold) {
       notes_with(result, fmt::format("1 block at free faces ({:.4g} m3, {:.3g} % of the free area) is held only by",
                                      384 - below, 100 * (8 * 5 + 8 * run) / (8 * 6 + 8 * 8))),
       1U);
+  // How it would go, were its sides smooth.
+  ASSERT_EQ(result.domain_held->alone.size(), 1U);
+  const stability::DomainHeld::Alone& alone = result.domain_held->alone[0];
+  const double dip = 40 * std::numbers::pi / 180, friction = std::tan(std::numbers::pi / 6);
+  EXPECT_EQ(alone.block, result.domain_held->blocks[0]);
+  EXPECT_EQ(alone.mode, stability::Mode::sliding);
+  EXPECT_NEAR(alone.factor_of_safety, friction / tangent, 1e-9);
+  const double weight = 2700 * 9.81 * (384 - below);
+  EXPECT_NEAR(alone.net.si() / (weight * (std::sin(dip) - std::cos(dip) * friction)), 1, 1e-6);
+  EXPECT_NEAR(alone.direction.z, -std::sin(dip), 1e-9);
 }
 
 TEST(HeldByTheBorder, WhatFrictionHoldsIsNotTold) { EXPECT_EQ(notes_with(run_of(slice(20)), "held only by"), 0U); }

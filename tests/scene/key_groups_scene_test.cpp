@@ -389,6 +389,7 @@ TEST(KeyGroupsScene, WhatOnlyTheBorderHoldsTogetherIsSaid) {
   ASSERT_TRUE(slice.domain_held);
   EXPECT_EQ(slice.figures.key_blocks->count, 0U);
   EXPECT_EQ(slice.domain_held->together, 2U);
+  EXPECT_TRUE(slice.domain_held->alone.empty());
   EXPECT_NEAR(slice.domain_held->volume.si(), 233 + 322, 1e-6);
   EXPECT_EQ(notes_with(slice, "2 of them would move only together"), 1U);
   // Strong enough, nothing is held by the sides alone.

@@ -112,7 +112,8 @@ void add_border_note(const stability::DomainHeld& held, std::string_view where, 
                                               one ? "a block" : "blocks", one ? "has" : "have");
   notes.push_back(fmt::format(
       "{}{} {} {} {} held only by {} of the domain that {} not free and "
-      "{} not counted as key blocks{}: what lies beyond is unknown; enlarge the domain, or name these sides in `free`",
+      "{} not counted as key blocks{}: what lies beyond is unknown; enlarge the domain, or name these sides in `free`; "
+      "see border_blocks.csv",
       where, held.blocks.size(), one ? "block" : "blocks", place, one ? "is" : "are", one ? "a side" : "sides",
       one ? "is" : "are", one ? "is" : "are",
       held.together == 0 ? "" : fmt::format("; {} of them would move only together with others", held.together)));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "cleave/exchange/csv.hpp"
@@ -42,6 +43,16 @@ std::optional<std::string_view> held_in_group(const stability::GroupSupport& gro
   return known ? std::optional{held_word(worst)} : std::nullopt;
 }
 
+/// Where a block is, and the names of the sets that bound it.
+std::pair<scene::BlockPlace, std::vector<std::string>> place_and_sets(const topology::BlockComplex& complex,
+                                                                      const scene::RunResult& result,
+                                                                      topology::BlockId id) {
+  scene::BlockPlace place = scene::place_of(result, complex, id, scene::joints_of(complex, id));
+  std::vector<std::string> sets;
+  for (const scene::SetId set : place.sets) sets.push_back(result.sets[set].name);
+  return {std::move(place), std::move(sets)};
+}
+
 }  // namespace
 
 KeyBlockRow key_block_row(const topology::BlockComplex& complex, const scene::RunResult& result,
@@ -55,8 +66,7 @@ KeyBlockRow key_block_row(const topology::BlockComplex& complex, const scene::Ru
                   .supported = result.support ? row_of(result.support->blocks, j.block) : nullptr,
                   .clamped = result.field_stress ? row_of(result.field_stress->blocks, j.block) : nullptr};
   if (result.group_support) row.group_supported = held_in_group(*result.group_support, j.block);
-  row.place = scene::place_of(result, complex, j.block, row.joints);
-  for (const scene::SetId set : row.place.sets) row.sets.push_back(result.sets[set].name);
+  std::tie(row.place, row.sets) = place_and_sets(complex, result, j.block);
   return row;
 }
 
@@ -79,9 +89,27 @@ std::string load_cases_csv(const topology::BlockComplex& complex, const scene::R
   CsvTable table{LoadCaseRow{"", no_judgement}};
   for_each_case(result, [&](std::string_view name, const stability::Analysis& analysis) {
     for (const stability::Judgement& j : analysis.judgements) {
-      if (stability::moves(j.mode) || j.key) table.add(LoadCaseRow{name, j, complex.blocks()[j.block].volume.si()});
+      if (!stability::moves(j.mode) && !j.key) continue;
+      LoadCaseRow row{name, j, complex.blocks()[j.block].volume.si()};
+      std::tie(row.place, row.sets) = place_and_sets(complex, result, j.block);
+      table.add(row);
     }
   });
+  return std::move(table).text();
+}
+
+std::string border_blocks_csv(const topology::BlockComplex& complex, const scene::RunResult& result) {
+  CsvTable table{BorderBlockRow{.load = "", .block = topology::BlockId{0U}}};
+  const auto add = [&](std::string_view name, const std::optional<stability::DomainHeld>& held) {
+    if (!held) return;
+    for (const topology::BlockId id : held->blocks) {
+      BorderBlockRow row{name, id, row_of(held->alone, id), complex.blocks()[id].volume.si()};
+      std::tie(row.place, row.sets) = place_and_sets(complex, result, id);
+      table.add(row);
+    }
+  };
+  add("base", result.domain_held);
+  for (const scene::CaseResult& load : result.load_cases) add(load.name, load.domain_held);
   return std::move(table).text();
 }
 

@@ -175,6 +175,8 @@ struct LoadCaseRow {
   std::string_view load;
   const stability::Judgement& j;
   double volume_m3 = 0;
+  scene::BlockPlace place = {};
+  std::vector<std::string> sets = {};
 };
 template <class V>
 void fields(V& v, const LoadCaseRow& x) {
@@ -187,6 +189,35 @@ void fields(V& v, const LoadCaseRow& x) {
   direction_fields(v, x.j.direction, "direction_x", "direction_y", "direction_z");
   v("net_force_n", x.j.net);
   v("factor_of_safety", x.j.factor_of_safety);
+  place_fields(v, x.place, x.sets);
+}
+
+/// A block that only a side of the domain holds.
+struct BorderBlockRow {
+  std::string_view load;
+  topology::BlockId block;
+  const stability::DomainHeld::Alone* alone = nullptr;  ///< none: it moves only together with others
+  double volume_m3 = 0;
+  scene::BlockPlace place = {};
+  std::vector<std::string> sets = {};
+};
+template <class V>
+void fields(V& v, const BorderBlockRow& x) {
+  const stability::DomainHeld::Alone none{.block = x.block};
+  const stability::DomainHeld::Alone& a = x.alone != nullptr ? *x.alone : none;
+  const bool alone = x.alone != nullptr;
+  v("case", x.load, "name of the [[load]]; `base` without one");
+  v("block", x.block, "number from 0, as in `blocks.vtu`");
+  v("alone", alone, "1: it moves by itself, were the sides of the domain smooth joints; 0: only together with others");
+  v("mode", when(alone, name(a.mode)), "as in key_blocks.csv, as are the columns that follow; empty: not by itself");
+  v("volume_m3", x.volume_m3);
+  v("direction_x", when(alone, a.direction.x));
+  v("direction_y", when(alone, a.direction.y));
+  v("direction_z", when(alone, a.direction.z));
+  v("net_force_n", when(alone, a.net));
+  v("factor_of_safety", when(alone, a.factor_of_safety),
+    "with strength on joints alone: on a side of the domain there is none");
+  place_fields(v, x.place, x.sets);
 }
 
 struct BoltRow {

@@ -98,6 +98,12 @@ std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& res
       CLEAVE_CHECK(write_file(folder / "supported_groups.csv", supported_groups_csv(result)));
     }
   }
+  const bool held = result.domain_held && !result.domain_held->blocks.empty();
+  if (held || std::ranges::any_of(result.load_cases, [](const scene::CaseResult& load) {
+        return load.domain_held && !load.domain_held->blocks.empty();
+      })) {
+    CLEAVE_CHECK(write_file(folder / "border_blocks.csv", border_blocks_csv(*complex, result)));
+  }
   if (!result.load_cases.empty()) {
     CLEAVE_CHECK(write_file(folder / "load_cases.csv", load_cases_csv(*complex, result)));
   }

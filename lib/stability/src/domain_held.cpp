@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "cleave/stability/analyse.hpp"
@@ -41,16 +42,16 @@ Area free_area_of(const topology::BlockComplex& complex, BlockId id) {
   return area;
 }
 
-bool moves_off_border(Model& model, BlockId id, std::uint32_t state) {
+std::optional<Verdict> motion_off_border(Model& model, BlockId id, std::uint32_t state) {
   const topology::BlockComplex& complex = model.complex();
   const Model::Held held = model.held(id, state);
-  if (!held.exposed) return false;
+  if (!held.exposed) return std::nullopt;
   std::vector<Direction> rows{held.rows.begin(), held.rows.end()};
   const std::vector<FaceId> fixed = fixed_faces(complex, id);
   for (const FaceId face : fixed) rows.push_back(model.inward(complex.faces()[face]));
   Cone cone{rows};
   const std::uint8_t dimension = cone.dimension();
-  if (dimension == 0 || (model.settings().strict && dimension < 3)) return false;
+  if (dimension == 0 || (model.settings().strict && dimension < 3)) return std::nullopt;
   const std::size_t joints = rows.size() - fixed.size();
   Contacts contacts = model.contacts(id, state, std::move(cone), held.exposed);
   for (std::size_t i = 0; i < fixed.size(); ++i) {  // sides that look the way of no joint come last, with no strength
@@ -58,10 +59,10 @@ bool moves_off_border(Model& model, BlockId id, std::uint32_t state) {
       contacts.groups.push_back({.face = fixed[i], .area = complex.faces()[fixed[i]].area.si()});
     }
   }
-  const Verdict verdict = judge(contacts, model.applied_forces(id, state), model.settings());
-  if (!verdict.key) return false;
+  Verdict verdict = judge(contacts, model.applied_forces(id, state), model.settings());
+  if (!verdict.key) return std::nullopt;
   const geometry::Vec3 gravity = model.settings().loads.gravity();
-  return std::ranges::none_of(verdict.resistance.pressing, [&](const auto& pressing) {
+  const bool stands = std::ranges::any_of(verdict.resistance.pressing, [&](const auto& pressing) {
     const std::uint32_t group = pressing.first;
     for (std::size_t i = 0; i < fixed.size(); ++i) {
       if (contacts.cone.group_of_row()[joints + i] != group) continue;
@@ -70,6 +71,8 @@ bool moves_off_border(Model& model, BlockId id, std::uint32_t state) {
     }
     return false;
   });
+  if (stands) return std::nullopt;
+  return verdict;
 }
 
 DomainHeld domain_held(const topology::AuditedComplex& audited, const Settings& settings, const Analysis& analysis) {
@@ -85,8 +88,11 @@ DomainHeld domain_held(const topology::AuditedComplex& audited, const Settings& 
     const topology::Block& block = complex.blocks()[id];
     const Area free_area = free_area_of(complex, id);
     found.all_free += free_area;
-    if (!block.fixed || block.truncated || !model.present(id, state) || !moves_off_border(model, id, state)) continue;
+    if (!block.fixed || block.truncated || !model.present(id, state)) continue;
+    const std::optional<Verdict> moves = motion_off_border(model, id, state);
+    if (!moves) continue;
     found.blocks.push_back(id);
+    found.alone.push_back({id, moves->mode, moves->direction, newtons(moves->net), moves->factor_of_safety});
     found.volume += block.volume;
     found.free_area += free_area;
   }

@@ -187,7 +187,7 @@ class Check final {
   void note_border(BlockId id) {
     if (std::exchange(looked_at_[id], std::uint8_t{1}) != 0) return;
     const topology::Block& block = complex_->blocks()[id];
-    if (!block.fixed || block.truncated || gone_(id) || !moves_off_border(model_, id, 1)) return;
+    if (!block.fixed || block.truncated || gone_(id) || !motion_off_border(model_, id, 1)) return;
     result_.held_by_border.insert(std::ranges::lower_bound(result_.held_by_border, id), id);
   }
 

@@ -12,6 +12,8 @@ namespace cleave::report {
 [[nodiscard]] std::string key_blocks_csv(const topology::BlockComplex& complex, const scene::RunResult& result);
 /// load_cases.csv: the rows of key_blocks.csv (fewer columns) of every load case, the base case first.
 [[nodiscard]] std::string load_cases_csv(const topology::BlockComplex& complex, const scene::RunResult& result);
+/// border_blocks.csv: blocks that only a side of the domain holds, under every load case, the base case first.
+[[nodiscard]] std::string border_blocks_csv(const topology::BlockComplex& complex, const scene::RunResult& result);
 /// bolts.csv: one row a bolt, in the order of the scene, then spot bolts. `result.support` is there.
 [[nodiscard]] std::string bolts_csv(const scene::RunResult& result);
 /// support_blocks.csv: every block that needs support under a load case, and what holds it.

@@ -142,6 +142,15 @@ struct Analysis {
 /// What only the border of the domain holds.
 struct DomainHeld {
   std::vector<topology::BlockId> blocks = {};  ///< ascending
+  /// How those of them move that move by themselves; ascending.
+  struct Alone {
+    topology::BlockId block;
+    Mode mode = Mode::stable;
+    geometry::Vec3 direction = {};
+    Force net = {};
+    double factor_of_safety = 0;
+  };
+  std::vector<Alone> alone = {};
   Volume volume = {};
   Area free_area = {};  ///< of their free faces
   Area all_free = {};   ///< of all free faces
