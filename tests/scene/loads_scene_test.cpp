@@ -8,6 +8,7 @@
 #include "cleave/core/progress.hpp"
 #include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
+#include "run_scene.hpp"
 
 namespace cleave::scene::test::loads_scene_test {
 namespace {
@@ -193,6 +194,25 @@ TEST(LoadsSceneTest, MistakesAreToldByKey) {
   told("[joints.default]\njrc = 8\njcs = 5e6\ncohesion = 3\n", "joints.default.cohesion");
   told("[stability]\nline = [{ from = [1,1,6], to = [1,1,6], force_per_metre = [0,0,-1] }]\n", "stability.line[1].to");
   told("[stability]\nwater = { pressures = { Q = 1 } }\n", "stability.water.pressures.Q");
+}
+
+// A slab of 1 m in the floor, under a table 3 m above it: 39 kPa below it against a weight of 26 kPa.
+TEST(LoadsScene, WaterThatLiftsTheFloorIsSaid) {
+  const auto wall = [](const std::string& at, double direction) {
+    return fmt::format("[[joint]]\nplane = {{ through = [{}, 5], dip = 90, dip_direction = {} }}\n", at, direction);
+  };
+  const std::string slab = with_box("[[joint]]\nplane = { through = [4, 4, 5], dip = 0, dip_direction = 0 }\n" +
+                                    wall("2, 4", 90) + wall("6, 4", 90) + wall("4, 2", 0) + wall("4, 6", 0) +
+                                    "[joints.default]\nfriction = 30\n[stability]\nfree = [\"top\"]\n");
+  const std::string_view lifted = "water lifts 1 key block (16 m3)";
+  EXPECT_EQ(notes_with(run_of(slab + "water = { table = 9 }\n"), lifted), 1U);
+  EXPECT_EQ(notes_with(run_of(slab + "water = { table = 9, free_faces = true }\n"), "water lifts"), 0U);
+  EXPECT_EQ(notes_with(run_of(slab + "water = { table = 7 }\n"), "water lifts"), 0U);
+  const RunResult flood = run_of(slab + "[[load]]\nname = \"flood\"\nwater = { table = 9 }\n");
+  EXPECT_EQ(notes_with(flood, lifted), 1U);
+  EXPECT_EQ(notes_with(flood, "load case flood: water lifts"), 1U);
+  // What an earthquake lifts is no matter of water.
+  EXPECT_EQ(notes_with(run_of(slab + "seismic = [0, 0, 1.5]\n"), "water lifts"), 0U);
 }
 
 }  // namespace

@@ -119,6 +119,24 @@ void add_border_note(const stability::DomainHeld& held, std::string_view where, 
       held.together == 0 ? "" : fmt::format("; {} of them would move only together with others", held.together)));
 }
 
+/// Key blocks that water lifts out of free faces below its level: what drains the face may drain the joint, too.
+void add_lifted_note(const stability::Analysis& analysis, const LoadSet& loads, const topology::BlockComplex& complex,
+                     std::string_view where, std::vector<std::string>& notes) {
+  if (loads.actions.dry()) return;
+  std::size_t count = 0;
+  Volume volume;
+  for (const stability::Judgement& j : analysis.judgements) {
+    if (!j.key || j.mode != stability::Mode::lifting) continue;
+    ++count;
+    volume += complex.blocks()[j.block].volume;
+  }
+  if (count == 0) return;
+  notes.push_back(fmt::format(
+      "{}water lifts {} key {} ({:.4g} m3): it presses in the joints behind them and not on their free faces; where the "
+      "rock there is drained, state a lower `table` or `pressures`; where the opening is flooded, free_faces = true",
+      where, count, count == 1 ? "block" : "blocks", volume.si()));
+}
+
 /// Bolts that hold on to what only a side of the domain holds.
 void add_anchor_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
   if (support.held_by_border.empty()) return;
@@ -246,6 +264,15 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   for (const CaseResult& load : made.load_cases) {
     const bool more = load.domain_held && (!made.domain_held || load.domain_held->blocks != made.domain_held->blocks);
     if (more) add_border_note(*load.domain_held, fmt::format("load case {}: ", load.name), notes);
+  }
+  if (analysis && made.complex) {
+    const topology::BlockComplex& complex = made.complex->complex();
+    add_lifted_note(*analysis, scene.stability->loads, complex, "", notes);
+    for (std::size_t k = 0; k < made.load_cases.size(); ++k) {
+      const CaseResult& load = made.load_cases[k];
+      add_lifted_note(load.analysis, scene.stability->cases[k].loads, complex,
+                      fmt::format("load case {}: ", load.name), notes);
+    }
   }
   if (made.support) add_anchor_note(*made.support, notes);
   // Beyond what was cut on demand rock is not known.
