@@ -104,7 +104,8 @@ TEST(TerminalTest, ACertificateThatDidNotPass) {
 TEST(TerminalTest, SupportAndMotion) {
   scene::RunResult r = result();
   r.figures.support =
-      scene::SupportFigures{.blocks = 9,
+      scene::SupportFigures{.targets = {.falling = 1.5, .sliding = 2},
+                            .blocks = 9,
                             .held_by_bolts = 1,
                             .held_by_shotcrete = 2,
                             .held_by_both = 3,
@@ -120,7 +121,7 @@ TEST(TerminalTest, SupportAndMotion) {
   const std::string text = figures_of(r);
   EXPECT_TRUE(holds(
       text,
-      "\nsupport      DOES NOT PASS: 9 blocks by themselves below their target, 1 held by bolts, 2 by "
+      "\nsupport      DOES NOT PASS: 9 blocks by themselves below their target (falling 1.5, sliding 2), 1 held by bolts, 2 by "
       "shotcrete, 3 by both, 4 not held\n  50 bolts, 6 stitched bodies (5 failing); required by these "
       "blocks 1.234 kN, missing no force is enough\n  8 groups of blocks below their target, 7 not held, 1 in doubt\n"))
       << text;

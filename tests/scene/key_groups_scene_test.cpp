@@ -681,6 +681,10 @@ TEST(KeyGroupsScene, SupportIsAskedToHoldThemInEachLoadCase) {
   EXPECT_EQ(quake.groups->not_held, 1U);
   EXPECT_NEAR(quake.groups->not_held_volume.si(), 233 + 322, 1e-6);
   EXPECT_FALSE(quake.passes());
+  EXPECT_EQ(result.figures.support->targets.sliding, 1.3);
+  EXPECT_EQ(run_of(active_and_passive(45) + "target = { falling = 2, sliding = 1.7 }\n" + cases)
+                .figures.support->targets.sliding,
+            1.7);
   EXPECT_EQ(notes_with(result, "load case quake: the support does not hold 1 group"), 1U);
   EXPECT_EQ(notes_with(result, "load case calm"), 0U);
 }

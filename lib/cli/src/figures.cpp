@@ -92,7 +92,8 @@ std::string support_verdict(const scene::SupportFigures& support, const std::vec
 std::string support_lines(const scene::SupportFigures& support, const std::vector<scene::DesignResult>& designs,
                           const std::vector<scene::SupportCaseFigures>& cases) {
   std::string text = fmt::format("support      {}: ", support_verdict(support, cases)) +
-                     say("{blocks} blocks by themselves below their target, {held_by_bolts} held by bolts, "
+                     say("{blocks} blocks by themselves below their target (falling {target_falling:g}, sliding "
+                         "{target_sliding:g}), {held_by_bolts} held by bolts, "
                          "{held_by_shotcrete} by shotcrete, "
                          "{held_by_both} by both, {not_held} not held\n"
                          "  {bolts} bolts, {combined_blocks} stitched bodies ({combined_failing} failing); required "

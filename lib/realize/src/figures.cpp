@@ -306,7 +306,10 @@ Figures count(const RunResult& result) {
     row.figures.in_all = count_in_all(result, load.analysis, load.groups);
   }
   figures.governing_case = governing_case(figures, result);
-  if (result.support) figures.support = count_support(result, *result.support);
+  if (result.support) {
+    figures.support = count_support(result, *result.support);
+    figures.support->targets = target.value_or(Targets{});
+  }
   const bool asked = result.stability && result.stability->groups != stability::GroupsCheck::off;
   const auto add_groups = [&](SupportFigures& support, const std::optional<stability::GroupSupport>& groups) {
     if (groups) support.groups = count_supported_groups(*groups);

@@ -385,6 +385,7 @@ enum class GroupsJudged : std::uint8_t {
   too_many    ///< more blocks near free faces than are judged together
 };
 struct SupportFigures {
+  Targets targets = {};
   bool block_by_block = false;  ///< every block reaches its target, alone and stitched to its neighbours
   GroupsJudged groups_judged = GroupsJudged::not_asked;
   /// What could not be judged does not pass; what was not asked is left out.
@@ -440,6 +441,8 @@ void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_
   v("passes", x.passes(),
     "every block reaches its target, alone and stitched to its neighbours, and no group of blocks still moves or is in "
     "doubt; without `[[load]]`, when all is excavated");
+  v("target_falling", x.targets.falling, "required factors of safety: of what falls or is lifted");
+  v("target_sliding", x.targets.sliding, "and of what slides, or moves in a group");
   v("groups_judged", one_of(x.groups_judged),
     "not asked: with groups = \"off\", where `passes` is of single and stitched blocks alone; too many: near free "
     "faces, "
