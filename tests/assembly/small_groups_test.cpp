@@ -88,5 +88,38 @@ TEST(SmallGroups, TwoThatMoveTogetherAlone) {
   EXPECT_TRUE(find_small_groups(rests, Marks(6, 1), Marks{0, 1, 0, 0, 0, 0}).empty());
 }
 
+/// The clamped load, hung from rock by a bolt.
+Assembly hung(double press, double pull) {
+  Builder b = clamped(press);
+  b.contact(0, rock, {0, 0, -1}, 0, {}).bonds = {{.corners = {}, .cohesion = 0, .tension = pull}};
+  return b.made();
+}
+
+TEST(SmallGroups, ABoltHoldsWhatItCan) {
+  EXPECT_EQ(find_small_groups(hung(2, 0.9), Marks(3, 1), Marks(3, 0)).size(), 1U);
+  EXPECT_TRUE(find_small_groups(hung(2, 1.1), Marks(3, 1), Marks(3, 0)).empty());
+}
+
+// What is known of sets without bolts is of these sets: others are asked.
+TEST(SmallGroups, WhatIsKnownWithoutBoltsGoesFromPlanToPlan) {
+  UntiedSets known;
+  const auto moving = [&](const Assembly& assembly) {
+    return find_small_groups(assembly, Marks(3, 1), Marks(3, 0), Ask::factors, 1, &known).size();
+  };
+  for (int again = 0; again < 2; ++again) {
+    EXPECT_EQ(moving(hung(2, 0.9)), 1U);
+    EXPECT_EQ(moving(hung(2, 1.1)), 0U);
+    EXPECT_EQ(moving(hung(2, 0.5)), 1U);
+  }
+  Builder block{Freedom::translation};
+  block.block({0, 0, -1}, 1);
+  block.contact(0, rock, plane(31, 90), tan_deg(30));
+  EXPECT_TRUE(known.may_move(block.made()));
+  block.spec.contacts[0].friction = tan_deg(32);
+  EXPECT_FALSE(known.may_move(block.made()));
+  block.spec.bodies[0].force = {1, 0, -1};
+  EXPECT_TRUE(known.may_move(block.made()));
+}
+
 }  // namespace
 }  // namespace cleave::assembly

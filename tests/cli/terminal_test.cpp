@@ -121,7 +121,8 @@ TEST(TerminalTest, SupportAndMotion) {
   const std::string text = figures_of(r);
   EXPECT_TRUE(holds(
       text,
-      "\nsupport      DOES NOT PASS: 9 blocks by themselves below their target (falling 1.5, sliding 2), 1 held by bolts, 2 by "
+      "\nsupport      DOES NOT PASS: 9 blocks by themselves below their target (falling 1.5, sliding 2), 1 held by "
+      "bolts, 2 by "
       "shotcrete, 3 by both, 4 not held\n  50 bolts, 6 stitched bodies (5 failing); required by these "
       "blocks 1.234 kN, missing no force is enough\n  8 groups of blocks below their target, 7 not held, 1 in doubt\n"))
       << text;

@@ -179,11 +179,13 @@ TEST(BorderBlocksCsv, HasEveryBlockOfEveryCase) {
                                                         .net = newtons(5),
                                                         .factor_of_safety = 0.5}},
                                              .together = 1};
-  result.load_cases.push_back({.name = "quake", .analysis = {}, .domain_held = stability::DomainHeld{.blocks = {first}}});
+  result.load_cases.push_back(
+      {.name = "quake", .analysis = {}, .domain_held = stability::DomainHeld{.blocks = {first}}});
   result.load_cases.push_back({.name = "calm", .analysis = {}});
   const std::string csv = border_blocks_csv(std::move(made).complex(), result);
-  EXPECT_TRUE(csv.starts_with("case,block,alone,mode,volume_m3,direction_x,direction_y,direction_z,net_force_n,"
-                              "factor_of_safety,x_m,y_m,z_m,location,"))
+  EXPECT_TRUE(
+      csv.starts_with("case,block,alone,mode,volume_m3,direction_x,direction_y,direction_z,net_force_n,"
+                      "factor_of_safety,x_m,y_m,z_m,location,"))
       << csv;
   const std::string place = ",10,20,30,,,0,bedding,,";
   EXPECT_TRUE(csv.contains("\nbase,0,0,,1,,,,," + place)) << csv;

@@ -142,11 +142,10 @@ std::string figures_of(const scene::RunResult& result) {
     text += key_block_lines(*figures.key_blocks) + group_line(*figures.key_blocks, groups);
   }
   for (const scene::CaseFigures& load : figures.load_cases) {
-    text +=
-        say("  under {name}: {count} blocks, {volume_m3:.6g} m3, lowest factor of safety "
-            "{lowest_factor_of_safety:.4g}\n",
-            load) +
-        group_line(load.figures, load.groups);
+    text += say("  under {name}: {count} blocks, {volume_m3:.6g} m3, lowest factor of safety "
+                "{lowest_factor_of_safety:.4g}\n",
+                load) +
+            group_line(load.figures, load.groups);
   }
   if (figures.governing_case) text += fmt::format("  governs: {}\n", *figures.governing_case);
   if (figures.support) text += support_lines(*figures.support, result.designs, figures.support_cases);

@@ -132,7 +132,8 @@ void add_lifted_note(const stability::Analysis& analysis, const LoadSet& loads, 
   }
   if (count == 0) return;
   notes.push_back(fmt::format(
-      "{}water lifts {} key {} ({:.4g} m3): it presses in the joints behind them and not on their free faces; where the "
+      "{}water lifts {} key {} ({:.4g} m3): it presses in the joints behind them and not on their free faces; where "
+      "the "
       "rock there is drained, state a lower `table` or `pressures`; where the opening is flooded, free_faces = true",
       where, count, count == 1 ? "block" : "blocks", volume.si()));
 }
@@ -270,8 +271,8 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
     add_lifted_note(*analysis, scene.stability->loads, complex, "", notes);
     for (std::size_t k = 0; k < made.load_cases.size(); ++k) {
       const CaseResult& load = made.load_cases[k];
-      add_lifted_note(load.analysis, scene.stability->cases[k].loads, complex,
-                      fmt::format("load case {}: ", load.name), notes);
+      add_lifted_note(load.analysis, scene.stability->cases[k].loads, complex, fmt::format("load case {}: ", load.name),
+                      notes);
     }
   }
   if (made.support) add_anchor_note(*made.support, notes);

@@ -51,7 +51,8 @@ std::string columns_of_tables() {
   const stability::KeyGroup group{};
   return table("key_blocks.csv", KeyBlockRow{.j = judgement, .parts = all_parts}) +
          table("load_cases.csv", LoadCaseRow{"", judgement}) +
-         table("border_blocks.csv", BorderBlockRow{.load = "", .block = topology::BlockId{0U}}) + table("bolts.csv", BoltRow{.pattern = {}, .b = bolt}) +
+         table("border_blocks.csv", BorderBlockRow{.load = "", .block = topology::BlockId{0U}}) +
+         table("bolts.csv", BoltRow{.pattern = {}, .b = bolt}) +
          table("support_blocks.csv", SupportBlockRow{"", supported}) +
          table("combined_blocks.csv", CombinedBlockRow{.load = "", .b = combined}) +
          table("key_groups.csv", KeyGroupRow{group}) + table("supported_groups.csv", SupportedGroupRow{group}) +

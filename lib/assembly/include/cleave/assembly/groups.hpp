@@ -163,8 +163,8 @@ enum class Ask : std::uint8_t { verdicts, factors };
 /// All groups of one state; the same for any number of threads, which is at least 1.
 [[nodiscard]] Groups find_groups(const Assembly& assembly, Ask ask = Ask::factors, unsigned threads = 1);
 
-/// What small sets of bodies do without ties: asked once where the same blocks are looked at under many supports. Threads
-/// may share it.
+/// What small sets of bodies do without ties: asked once where the same blocks are looked at under many supports.
+/// Threads may share it.
 class UntiedSets final {
  public:
   /// Whether an assembly without ties was not found at rest.
