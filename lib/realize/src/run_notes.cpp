@@ -138,6 +138,24 @@ void add_lifted_note(const stability::Analysis& analysis, const LoadSet& loads, 
       where, count, count == 1 ? "block" : "blocks", volume.si()));
 }
 
+void add_lifted_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
+  const topology::BlockComplex& complex = made.complex->complex();
+  add_lifted_note(*made.analysis, scene.stability->loads, complex, "", notes);
+  for (std::size_t k = 0; k < made.load_cases.size(); ++k) {
+    const CaseResult& load = made.load_cases[k];
+    add_lifted_note(load.analysis, scene.stability->cases[k].loads, complex, fmt::format("load case {}: ", load.name),
+                    notes);
+  }
+}
+
+void add_border_notes(const Realization& made, std::vector<std::string>& notes) {
+  if (made.domain_held) add_border_note(*made.domain_held, "", notes);
+  for (const CaseResult& load : made.load_cases) {
+    const bool more = load.domain_held && (!made.domain_held || load.domain_held->blocks != made.domain_held->blocks);
+    if (more) add_border_note(*load.domain_held, fmt::format("load case {}: ", load.name), notes);
+  }
+}
+
 /// Bolts that hold on to what only a side of the domain holds.
 void add_anchor_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
   if (support.held_by_border.empty()) return;
@@ -261,20 +279,8 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   add_enclosed_notes(made.held_from_within, notes);
   add_barred_note(made.barred, made.key_groups && made.key_groups->too_many, notes);
   add_taper_notes(made, notes);
-  if (made.domain_held) add_border_note(*made.domain_held, "", notes);
-  for (const CaseResult& load : made.load_cases) {
-    const bool more = load.domain_held && (!made.domain_held || load.domain_held->blocks != made.domain_held->blocks);
-    if (more) add_border_note(*load.domain_held, fmt::format("load case {}: ", load.name), notes);
-  }
-  if (analysis && made.complex) {
-    const topology::BlockComplex& complex = made.complex->complex();
-    add_lifted_note(*analysis, scene.stability->loads, complex, "", notes);
-    for (std::size_t k = 0; k < made.load_cases.size(); ++k) {
-      const CaseResult& load = made.load_cases[k];
-      add_lifted_note(load.analysis, scene.stability->cases[k].loads, complex, fmt::format("load case {}: ", load.name),
-                      notes);
-    }
-  }
+  add_border_notes(made, notes);
+  if (analysis && made.complex) add_lifted_notes(scene, made, notes);
   if (made.support) add_anchor_note(*made.support, notes);
   // Beyond what was cut on demand rock is not known.
   if (made.support && !made.window) add_off_note(*made.support, notes);
