@@ -13,8 +13,8 @@ class OutFolderTest : public ProgramTest {
   [[nodiscard]] Ended run(const std::string& out) const { return cleave("run s.toml --quiet -o " + out); }
 };
 
-const std::vector<std::string> result_files{"blocks.vtu",  "key_blocks.csv", "key_groups.csv", "log.txt",
-                                            "report.html", "scene.toml",     "summary.json"};
+const std::vector<std::string> result_files{"blocks.vtu", "border_blocks.csv", "key_blocks.csv", "key_groups.csv",
+                                            "log.txt",    "report.html",       "scene.toml",     "summary.json"};
 
 std::vector<std::string> names_in(const fs::path& folder) {
   std::vector<std::string> result;
@@ -111,7 +111,8 @@ TEST_F(OutFolderTest, TheFolderOneStandsInStaysTheSame) {
       shell("cd out && cleave run ../s.toml --quiet -o . && cleave run ../s.toml --quiet -o . && ls > ../list").code,
       0);
   EXPECT_EQ(read("list"),
-            "blocks.vtu\nkey_blocks.csv\nkey_groups.csv\nlog.txt\nreport.html\nscene.toml\nsummary.json\n");
+            "blocks.vtu\nborder_blocks.csv\nkey_blocks.csv\nkey_groups.csv\nlog.txt\nreport.html\nscene.toml\nsummary."
+            "json\n");
   EXPECT_EQ(names_in(path("out")), result_files);
 }
 
