@@ -248,7 +248,7 @@ class Search final {
       if (count(own, [&] { return of_members(search.start.motion, group.bodies); })) return;
     }
     const Start alone = start_from_rest(island_.part(group.bodies, Assembly::Others::fixed), 1);
-    if (count(moving_ones(alone.speed), [&] { return alone.motion; })) return;
+    (void)count(moving_ones(alone.speed), [&] { return alone.motion; });
   }
 
   void take(std::vector<std::uint8_t> among, Verdict verdict, const Motion& motion) {

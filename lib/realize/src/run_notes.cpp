@@ -134,7 +134,7 @@ void add_lifted_note(const stability::Analysis& analysis, const LoadSet& loads, 
   notes.push_back(fmt::format(
       "{}water lifts {} key {} ({:.4g} m3): it presses in the joints behind them and not on their free faces; where "
       "the "
-      "rock there is drained, state a lower `table` or `pressures`; where the opening is flooded, free_faces = true",
+      "rock is drained, state a lower `table` or `pressures`; where the opening is flooded, free_faces = true",
       where, count, count == 1 ? "block" : "blocks", volume.si()));
 }
 

@@ -104,7 +104,9 @@ std::string cases_table(const scene::Figures& figures) {
                      {"in_all_volume_m3", "Alone or together (m3)", 4, true}},
                     scene::CaseFigures{}, cases, "id=\"load-cases\"") +
          "<p class=\"small\">" +
-         (figures.governing_case ? "Most moves under <b>" + escape_xml(*figures.governing_case) + "</b>. " : "") +
+         (figures.governing_case
+              ? "Most moves, or the factor is lowest, under <b>" + escape_xml(*figures.governing_case) + "</b>. "
+              : "") +
          "Block by block: load_cases.csv.</p>\n";
 }
 

@@ -134,7 +134,7 @@ struct Judged {
   Verdict verdict = Verdict::in_doubt;
   StaticFactor up;
   MovingFactor moving;
-  Motion motion;  ///< of `certain` and `unsafe` from rest, m/s2 and 1/s2
+  Motion motion;  ///< of `certain` and `unsafe` from rest, else of the proof; m/s2 and 1/s2
   std::optional<MotionCertificate> moves;
   std::optional<RestCertificate> stands;
 };
