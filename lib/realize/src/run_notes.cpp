@@ -132,8 +132,7 @@ void add_lifted_note(const stability::Analysis& analysis, const LoadSet& loads, 
   }
   if (count == 0) return;
   notes.push_back(fmt::format(
-      "{}water lifts {} key {} ({:.4g} m3): it presses in the joints behind them and not on their free faces; where "
-      "the "
+      "{}water lifts {} key {} ({:.4g} m3): it presses in the joints behind them, not on their free faces; where the "
       "rock is drained, state a lower `table` or `pressures`; where the opening is flooded, free_faces = true",
       where, count, count == 1 ? "block" : "blocks", volume.si()));
 }
