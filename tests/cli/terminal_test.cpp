@@ -67,14 +67,14 @@ TEST(TerminalTest, WhatMovesInGroups) {
   scene::RunResult r = result();
   r.figures.blocks = scene::BlockFigures{.hash = {}};
   r.figures.key_blocks = key_blocks();
-  r.figures.key_blocks->in_all = scene::KeyBlockFigures::InAll{.count = 5, .volume = cubic_metres(40)};
+  r.figures.in_all = scene::InAll{.count = 5, .volume = cubic_metres(40)};
   const auto moving = [](double factor) {
     return stability::KeyGroup{.batch = 1, .verdict = assembly::Verdict::unsafe, .factor_move = factor};
   };
   r.key_groups = stability::KeyGroups{.groups = {moving(0.5), moving(0.75), {.batch = 1}}};
   scene::CaseFigures quake{"quake", {.count = 2, .volume_m3 = 0.5, .batches = {}, .lowest_factor_of_safety = 0.75}};
-  quake.figures.in_all = scene::KeyBlockFigures::InAll{.count = 2, .volume = cubic_metres(0.5)};
   quake.groups = scene::KeyGroupFigures{.judged = true, .in_doubt = 3};
+  quake.groups->in_all = scene::InAll{.count = 2, .volume = cubic_metres(0.5)};
   r.figures.load_cases = {quake};
   r.figures.governing_case = "base";
   const std::string text = figures_of(r);

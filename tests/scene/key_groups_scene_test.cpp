@@ -223,11 +223,11 @@ TEST(KeyGroupsScene, OfEachLoadCase) {
   EXPECT_TRUE(noted.load_cases[1].analysis.batches.empty());
   // No key block, and yet the rock moves: the figures of each case say how much, and which is the worst.
   const Figures& figures = noted.figures;
-  EXPECT_EQ(figures.key_blocks->in_all->count, 0U);
-  EXPECT_EQ(figures.load_cases[0].figures.in_all->count, 0U);
+  EXPECT_EQ(figures.in_all->count, 0U);
+  EXPECT_EQ(figures.load_cases[0].groups->in_all->count, 0U);
   EXPECT_EQ(figures.load_cases[1].figures.count, 0U);
-  EXPECT_EQ(figures.load_cases[1].figures.in_all->count, 2U);
-  EXPECT_NEAR(figures.load_cases[1].figures.in_all->volume.si(), 555, 1e-6);
+  EXPECT_EQ(figures.load_cases[1].groups->in_all->count, 2U);
+  EXPECT_NEAR(figures.load_cases[1].groups->in_all->volume.si(), 555, 1e-6);
   EXPECT_EQ(figures.load_cases[1].groups->count, 1U);
   EXPECT_EQ(figures.governing_case, "quake");
   // Where groups decide, they are key blocks of their case.
@@ -236,7 +236,7 @@ TEST(KeyGroupsScene, OfEachLoadCase) {
   ASSERT_EQ(decided.load_cases[1].analysis.batches.size(), 1U);
   EXPECT_EQ(decided.load_cases[1].analysis.batches[0].blocks.size(), 2U);
   EXPECT_EQ(notes_with(decided, "load case quake: 2 key blocks, 0 in the base case"), 1U);
-  EXPECT_EQ(decided.figures.load_cases[1].figures.in_all->count, 2U);
+  EXPECT_EQ(decided.figures.load_cases[1].groups->in_all->count, 2U);
   EXPECT_EQ(decided.figures.governing_case, "quake");
 }
 
@@ -244,7 +244,7 @@ TEST(KeyGroupsScene, OfEachLoadCase) {
 TEST(KeyGroupsScene, TheCaseWithTheLowestFactorGovernsWhereNothingMoves) {
   const std::string cases = "[[load]]\nname = \"calm\"\n[[load]]\nname = \"light\"\nseismic = [-0.1, 0, 0]\n";
   const RunResult stands = run_of(active_and_passive(40) + cases);
-  EXPECT_EQ(stands.figures.load_cases[1].figures.in_all->count, 0U);
+  EXPECT_EQ(stands.figures.load_cases[1].groups->in_all->count, 0U);
   EXPECT_LT(stands.figures.load_cases[1].figures.lowest_factor_of_safety,
             stands.figures.key_blocks->lowest_factor_of_safety);
   EXPECT_EQ(stands.figures.governing_case, "light");

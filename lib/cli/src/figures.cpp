@@ -52,10 +52,10 @@ std::string key_block_lines(const scene::KeyBlockFigures& key) {
 }
 
 /// What moves alone or together, where that is more than key blocks.
-std::string group_line(const scene::KeyBlockFigures& key, const std::optional<scene::KeyGroupFigures>& groups) {
-  if (!key.in_all || !groups || (groups->count == 0 && groups->in_doubt == 0)) return {};
-  std::string text = say("  with groups: {in_all_count} blocks, {in_all_volume_m3:.6g} m3 in all", key) +
-                     say("; {count} groups", *groups);
+std::string group_line(const std::optional<scene::KeyGroupFigures>& groups) {
+  if (!groups || !groups->in_all || (groups->count == 0 && groups->in_doubt == 0)) return {};
+  std::string text =
+      say("  with groups: {in_all_count} blocks, {in_all_volume_m3:.6g} m3 in all; {count} groups", *groups);
   if (std::isfinite(groups->least_factor)) text += say(", least factor {factor_with_moments:.3g}", *groups);
   return text + say("; {in_doubt} in doubt\n", *groups);
 }
@@ -138,14 +138,17 @@ std::string figures_of(const scene::RunResult& result) {
   text += block_lines(result);
   if (figures.key_blocks) {
     std::optional<scene::KeyGroupFigures> groups;
-    if (result.key_groups) groups = scene::count_key_groups(*result.key_groups);
-    text += key_block_lines(*figures.key_blocks) + group_line(*figures.key_blocks, groups);
+    if (result.key_groups) {
+      groups = scene::count_key_groups(*result.key_groups);
+      groups->in_all = figures.in_all;
+    }
+    text += key_block_lines(*figures.key_blocks) + group_line(groups);
   }
   for (const scene::CaseFigures& load : figures.load_cases) {
     text += say("  under {name}: {count} blocks, {volume_m3:.6g} m3, lowest factor of safety "
                 "{lowest_factor_of_safety:.4g}\n",
                 load) +
-            group_line(load.figures, load.groups);
+            group_line(load.groups);
   }
   if (figures.governing_case) text += fmt::format("  governs: {}\n", *figures.governing_case);
   if (figures.support) text += support_lines(*figures.support, result.designs, figures.support_cases);

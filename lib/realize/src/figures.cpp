@@ -216,8 +216,8 @@ SupportFigures count_support(const RunResult& result, const stability::SupportRe
 }
 
 /// All that leaves, where blocks were judged together.
-std::optional<KeyBlockFigures::InAll> count_in_all(const RunResult& result, const stability::Analysis& analysis,
-                                                   const std::optional<stability::KeyGroups>& groups) {
+std::optional<InAll> count_in_all(const RunResult& result, const stability::Analysis& analysis,
+                                  const std::optional<stability::KeyGroups>& groups) {
   if (!groups || groups->too_many || !result.complex) return std::nullopt;
   std::vector<topology::BlockId> leaving;
   for (const stability::Batch& batch : analysis.batches) {
@@ -229,14 +229,14 @@ std::optional<KeyBlockFigures::InAll> count_in_all(const RunResult& result, cons
   }
   std::ranges::sort(leaving);
   leaving.erase(std::ranges::unique(leaving).begin(), leaving.end());
-  KeyBlockFigures::InAll out{.count = leaving.size()};
+  InAll out{.count = leaving.size()};
   for (const topology::BlockId id : leaving) out.volume += result.complex->complex().blocks()[id].volume;
   return out;
 }
 
 /// Where most moves, of equal cases where the factor is lowest: smaller is worse.
 std::pair<double, double> how_bad(const KeyBlockFigures& figures, const std::optional<KeyGroupFigures>& groups) {
-  const double moves = figures.in_all ? figures.in_all->volume.si() : figures.volume_m3;
+  const double moves = groups && groups->in_all ? groups->in_all->volume.si() : figures.volume_m3;
   const double together = groups ? groups->least_factor : std::numeric_limits<double>::infinity();
   return {-moves, std::min(figures.lowest_factor_of_safety, together)};
 }
@@ -244,7 +244,10 @@ std::pair<double, double> how_bad(const KeyBlockFigures& figures, const std::opt
 std::optional<std::string> governing_case(const Figures& figures, const RunResult& result) {
   if (figures.load_cases.empty() || !figures.key_blocks) return std::nullopt;
   std::optional<KeyGroupFigures> base;
-  if (result.key_groups) base = count_key_groups(*result.key_groups);
+  if (result.key_groups) {
+    base = count_key_groups(*result.key_groups);
+    base->in_all = figures.in_all;
+  }
   std::string out = "base";
   auto worst = how_bad(*figures.key_blocks, base);
   for (const CaseFigures& load : figures.load_cases) {
@@ -298,12 +301,13 @@ Figures count(const RunResult& result) {
                              held.all_free.si() > 0 ? held.free_area / held.all_free : 0, held.together};
   };
   if (figures.key_blocks && result.domain_held) figures.key_blocks->domain_held = count_held(*result.domain_held);
-  if (figures.key_blocks) figures.key_blocks->in_all = count_in_all(result, *result.analysis, result.key_groups);
+  if (result.analysis) figures.in_all = count_in_all(result, *result.analysis, result.key_groups);
   for (const CaseResult& load : result.load_cases) {
     CaseFigures& row = figures.load_cases.emplace_back(load.name, count_key_blocks(load.analysis, target));
     if (load.domain_held) row.figures.domain_held = count_held(*load.domain_held);
-    if (load.groups) row.groups = count_key_groups(*load.groups);
-    row.figures.in_all = count_in_all(result, load.analysis, load.groups);
+    if (!load.groups) continue;
+    row.groups = count_key_groups(*load.groups);
+    row.groups->in_all = count_in_all(result, load.analysis, load.groups);
   }
   figures.governing_case = governing_case(figures, result);
   if (result.support) {

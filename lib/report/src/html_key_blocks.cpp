@@ -92,18 +92,30 @@ std::string key_block_table(const Page& page, const std::vector<const stability:
   return std::move(table).html();
 }
 
+/// A load case, with what moves in groups under it.
+struct ShownCase {
+  const scene::CaseFigures& load;
+};
+template <class V>
+void fields(V& v, const ShownCase& x) {
+  fields(v, x.load);
+  const bool judged = x.load.groups && x.load.groups->in_all;
+  v("in_all_volume_m3", when(judged, judged ? x.load.groups->in_all->volume : Volume{}));
+}
+
 std::string cases_table(const scene::Figures& figures) {
-  const std::vector<scene::CaseFigures>& cases = figures.load_cases;
-  if (cases.empty()) return {};
-  return "<h3>Under the load cases</h3>" +
-         html_table({{"name", "Case"},
-                     {"count", "Key blocks"},
-                     {"volume_m3"},
-                     {"lowest_factor_of_safety", {}, 3},
-                     {"below_target", "Below the target"},
-                     {"in_all_volume_m3", "Alone or together (m3)", 4, true}},
-                    scene::CaseFigures{}, cases, "id=\"load-cases\"") +
-         "<p class=\"small\">" +
+  if (figures.load_cases.empty()) return {};
+  const scene::CaseFigures& sample = figures.load_cases.front();
+  HtmlTable table{{{"name", "Case"},
+                   {"count", "Key blocks"},
+                   {"volume_m3"},
+                   {"lowest_factor_of_safety", {}, 3},
+                   {"below_target", "Below the target"},
+                   {"in_all_volume_m3", "Alone or together (m3)", 4, true}},
+                  ShownCase{sample},
+                  "id=\"load-cases\""};
+  for (const scene::CaseFigures& load : figures.load_cases) table.add(ShownCase{load});
+  return "<h3>Under the load cases</h3>" + std::move(table).html() + "<p class=\"small\">" +
          (figures.governing_case
               ? "Most moves, or the factor is lowest, under <b>" + escape_xml(*figures.governing_case) + "</b>. "
               : "") +

@@ -210,12 +210,6 @@ struct KeyBlockFigures {
   std::optional<std::uint64_t> below_target = {};  ///< where the scene has a target
   std::optional<std::uint64_t> turning = {};       ///< none without the rotational check
   std::optional<DomainHeldFigures> domain_held = {};
-  /// All that leaves, alone or in groups that are not in doubt; where blocks were judged together.
-  struct InAll {
-    std::uint64_t count = 0;
-    Volume volume = {};
-  };
-  std::optional<InAll> in_all = {};
 };
 template <class V>
 void fields(V& v, const KeyBlockFigures& x) {
@@ -237,12 +231,13 @@ void fields(V& v, const KeyBlockFigures& x) {
   v("domain_held_together", when(x.domain_held.has_value(), held.together),
     "of those, blocks that move only together with others");
   v("domain_held_share", when(x.domain_held.has_value(), held.share), "of the area of all free faces, theirs");
-  const KeyBlockFigures::InAll in_all = x.in_all.value_or(KeyBlockFigures::InAll{});
-  v("in_all_count", when(x.in_all.has_value(), in_all.count),
-    "key blocks and blocks of groups that move or may (`key_groups`): all that moves, alone or together; absent where "
-    "blocks were not judged together");
-  v("in_all_volume_m3", when(x.in_all.has_value(), in_all.volume));
 }
+
+/// All that leaves, alone or in groups that are not in doubt.
+struct InAll {
+  std::uint64_t count = 0;
+  Volume volume = {};
+};
 
 /// Blocks judged together.
 struct KeyGroupFigures {
@@ -256,6 +251,7 @@ struct KeyGroupFigures {
   std::optional<std::uint64_t> below_target = {};
   Volume below_target_volume = {};
   std::optional<stability::FactorTogether> together = {};  ///< where it was asked
+  std::optional<InAll> in_all = {};                        ///< empty: not judged
 };
 template <class V>
 void fields(V& v, const KeyGroupFigures& x) {
@@ -279,6 +275,10 @@ void fields(V& v, const KeyGroupFigures& x) {
   v("moves_at", when(asked, or_null(factor.moves)),
     "with `group_factor`: strengths over this something moves, to 1 %; null: nothing does up to 10; 0: below 0.1");
   v("moves_at_reason", when(asked && !std::isfinite(factor.moves), "nothing moves at strengths over 10"));
+  const InAll in_all = x.in_all.value_or(InAll{});
+  v("in_all_count", when(x.in_all.has_value(), in_all.count),
+    "key blocks and blocks of groups that move or may: all that moves, alone or together");
+  v("in_all_volume_m3", when(x.in_all.has_value(), in_all.volume));
 }
 [[nodiscard]] KeyGroupFigures count_key_groups(const stability::KeyGroups& groups);
 /// `found`: at strengths over the target.
@@ -537,6 +537,7 @@ struct Figures {
   std::optional<BlockFigures> blocks;  ///< none when the certificate did not pass
   std::optional<KeyBlockFigures> key_blocks;
   std::vector<CaseFigures> load_cases;  ///< of [[load]]
+  std::optional<InAll> in_all;          ///< where blocks were judged together
   /// Under which load most moves; "base" is that of [stability]. With load cases.
   std::optional<std::string> governing_case = {};
   std::optional<SupportFigures> support;

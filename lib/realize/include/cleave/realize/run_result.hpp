@@ -351,6 +351,7 @@ void fields(V& v, const RunResult& x) {
   KeyGroupFigures groups = x.key_groups ? count_key_groups(*x.key_groups) : KeyGroupFigures{};
   if (x.groups_below_target) add_below_target(*x.groups_below_target, groups);
   groups.together = x.group_factor;
+  groups.in_all = f.in_all;
   v("key_groups", when(x.key_groups.has_value(), group([&](auto& w) { fields(w, groups); })),
     "Blocks judged together; absent with groups = \"off\".");
   const SupportFigures& support = f.support ? *f.support : SupportFigures{};
