@@ -224,6 +224,40 @@ TEST(KeyGroups, CohesionThatNextToNothingPressesIsNotReliedOn) {
   EXPECT_NEAR(groups_on(88.9, 0.9).at(0).moving.factor, 0.9 / sin_deg(88.9), 1e-7);
 }
 
+// A slab and a crumb at its foot that slips away from it: the group's factor is the crumb's, the slab has its own.
+TEST(KeyGroups, TheHeaviestBodyHasItsOwnFactor) {
+  const auto group_of = [](double slab, double crumb, bool crumb_first) {
+    Builder b{Freedom::translation};
+    const auto add = [&](double mass, double dip) {
+      const std::uint32_t block = b.block({0, 0, -mass}, mass);
+      b.contact(block, rock, {sin_deg(dip), 0, cos_deg(dip)}, tan_deg(20));
+      return block;
+    };
+    const std::uint32_t first = crumb_first ? add(crumb, 60) : add(slab, 30);
+    const std::uint32_t second = crumb_first ? add(slab, 30) : add(crumb, 60);
+    b.contact(crumb_first ? first : second, crumb_first ? second : first, {1, 0, 0}, tan_deg(20));
+    return find_groups(b.made()).groups.at(0);
+  };
+  const double of_slab = tan_deg(20) / tan_deg(30), of_crumb = tan_deg(20) / tan_deg(60);
+  for (const bool crumb_first : {false, true}) {
+    SCOPED_TRACE(crumb_first);
+    const Group group = group_of(100, 1, crumb_first);
+    ASSERT_EQ(group.bodies.size(), 2U);
+    EXPECT_NEAR(group.moving.factor, of_crumb, 1e-6);
+    ASSERT_TRUE(group.heaviest.has_value());
+    EXPECT_NEAR(*group.heaviest / of_slab, 1, 2e-3);
+    // Where the heavy one moves first, its factor is the group's.
+    const Group other = group_of(1, 100, crumb_first);
+    EXPECT_EQ(other.heaviest, other.moving.factor);
+    // Of equal ones the least.
+    const Group equal = group_of(1, 1, crumb_first);
+    EXPECT_EQ(equal.heaviest, equal.moving.factor);
+  }
+  Builder alone{Freedom::translation};
+  alone.contact(alone.block({0, 0, -1}, 1), rock, {sin_deg(30), 0, cos_deg(30)}, tan_deg(20));
+  EXPECT_FALSE(find_groups(alone.made()).groups.at(0).heaviest.has_value());
+}
+
 // Cohesion that only an even share of shear would bear, or that a corner that opens would lose, is not relied on where
 // blocks lean on one another: neither is motion proved, nor does it stand.
 TEST(KeyGroups, HeldByCohesionThatBreaksBitByBitAreInDoubt) {

@@ -64,7 +64,8 @@ TEST_F(ExamplesTest, SlabBehindToeIsOneKeyGroup) {
   const std::string table = read("slab_behind_toe/key_groups.csv");
   EXPECT_EQ(table.substr(0, table.find('\n')),
             "group,batch,verdict,blocks,volume_m3,factor_up,factor_move,direction_x,direction_y,direction_z,moments,"
-            "load_case,stage,let_go,x_m,y_m,z_m,location,chainage_m,clock,free_area_m2,sets,factor_with_moments");
+            "load_case,stage,let_go,x_m,y_m,z_m,location,chainage_m,clock,free_area_m2,sets,factor_with_moments,"
+            "factor_of_largest");
   EXPECT_NE(table.find("\n1,1,unsafe,"), std::string::npos) << table;
 }
 

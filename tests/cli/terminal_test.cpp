@@ -67,22 +67,24 @@ TEST(TerminalTest, WhatMovesInGroups) {
   scene::RunResult r = result();
   r.figures.blocks = scene::BlockFigures{.hash = {}};
   r.figures.key_blocks = key_blocks();
-  r.figures.in_all = scene::InAll{.count = 5, .volume = cubic_metres(40)};
   const auto moving = [](double factor) {
     return stability::KeyGroup{.batch = 1, .verdict = assembly::Verdict::unsafe, .factor_move = factor};
   };
-  r.key_groups = stability::KeyGroups{.groups = {moving(0.5), moving(0.75), {.batch = 1}}};
+  r.figures.groups = scene::count_key_groups({.groups = {moving(0.5), moving(0.75), {.batch = 1}}});
+  r.figures.groups->factor_of_largest = 0.875;
+  r.figures.groups->in_all = scene::InAll{.count = 5, .volume = cubic_metres(40)};
   scene::CaseFigures quake{"quake", {.count = 2, .volume_m3 = 0.5, .batches = {}, .lowest_factor_of_safety = 0.75}};
-  quake.groups = scene::KeyGroupFigures{.judged = true, .in_doubt = 3};
+  quake.groups = scene::KeyGroupFigures{.judged = true, .count = 1, .in_doubt = 3};
   quake.groups->in_all = scene::InAll{.count = 2, .volume = cubic_metres(0.5)};
   r.figures.load_cases = {quake};
   r.figures.governing_case = "base";
   const std::string text = figures_of(r);
-  EXPECT_TRUE(holds(text,
-                    " batches\n  with groups: 5 blocks, 40 m3 in all; 2 groups, least factor 0.5; 1 in doubt\n"
-                    "  under quake: 2 blocks, 0.5 m3, lowest factor of safety 0.75\n"
-                    "  with groups: 2 blocks, 0.5 m3 in all; 0 groups; 3 in doubt\n"
-                    "  governs: base\n"))
+  EXPECT_TRUE(holds(
+      text,
+      " batches\n  with groups: 5 blocks, 40 m3 in all; 2 groups, least factor 0.5, largest block 0.875; 1 in doubt\n"
+      "  under quake: 2 blocks, 0.5 m3, lowest factor of safety 0.75\n"
+      "  with groups: 2 blocks, 0.5 m3 in all; 1 group; 3 in doubt\n"
+      "  governs: base\n"))
       << text;
 }
 

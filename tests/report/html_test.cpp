@@ -120,6 +120,7 @@ TEST(Html, FirstFiguresSpeakOfGroupsOfTheBorderAndOfNotes) {
   e.result.key_groups = stability::KeyGroups{.groups = {{.verdict = Verdict::certain, .volume = cubic_metres(2)},
                                                         {.verdict = Verdict::unsafe, .volume = cubic_metres(3)},
                                                         {.verdict = Verdict::in_doubt, .volume = cubic_metres(4)}}};
+  e.result.figures.groups = scene::count_key_groups(*e.result.key_groups);
   e.result.figures.key_blocks->domain_held = scene::DomainHeldFigures{4, cubic_metres(12.5), 0.25};
   cards = cards_of(report_html(e.page()));
   EXPECT_TRUE(cards.contains("Key groups</span><strong><a href=\"#groups\">2</a>")) << cards;
@@ -128,7 +129,7 @@ TEST(Html, FirstFiguresSpeakOfGroupsOfTheBorderAndOfNotes) {
   EXPECT_TRUE(cards.contains("12.5 m³ that would move without it, 25 % of the free area")) << cards;
   EXPECT_LT(cards.find("Key groups"), cards.find("Certificate"));
 
-  e.result.key_groups = stability::KeyGroups{.too_many = true};
+  e.result.figures.groups = scene::count_key_groups({.too_many = true});
   EXPECT_TRUE(cards_of(report_html(e.page())).contains("<strong>not judged</strong>"));
 }
 

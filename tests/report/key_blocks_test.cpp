@@ -95,9 +95,9 @@ TEST(KeyGroupsCsv, LoadCasesAndStagesFollowTheBaseCase) {
   stage.groups = one(5);
   result.let_go = {scene::LetGo::moved};
   const std::string csv = key_groups_csv(result);
-  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,3,0,,,0,0,0,0,,,moved,,,,,,,,,\n")) << csv;
-  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,4,0,,,0,0,0,0,quake,,,,,,,,,,,\n")) << csv;
-  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,5,0,,,0,0,0,0,,2,,,,,,,,,,\n")) << csv;
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,3,0,,,0,0,0,0,,,moved,,,,,,,,,,\n")) << csv;
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,4,0,,,0,0,0,0,quake,,,,,,,,,,,,\n")) << csv;
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,5,0,,,0,0,0,0,,2,,,,,,,,,,,\n")) << csv;
   EXPECT_LT(csv.find(",3,0"), csv.find(",4,0"));
   EXPECT_LT(csv.find(",4,0"), csv.find(",5,0"));
   // With moments, of what translation alone moves: the lesser of both is the group's.
@@ -107,11 +107,28 @@ TEST(KeyGroupsCsv, LoadCasesAndStagesFollowTheBaseCase) {
                                   .factor_up = 2,
                                   .factor_move = 0.94,
                                   .factor_turning = 0.89};
-  EXPECT_TRUE(key_groups_csv(result).contains("\n1,1,unsafe,3,0,2,0.94,0,0,0,0,,,moved,,,,,,,,,0.89\n"));
+  EXPECT_TRUE(key_groups_csv(result).contains("\n1,1,unsafe,3,0,2,0.94,0,0,0,0,,,moved,,,,,,,,,0.89,\n"));
   EXPECT_TRUE(key_groups_section(result).contains(">With moments</th>"));
+  EXPECT_FALSE(key_groups_section(result).contains("Its largest block"));
+  // The largest block of several may start at more.
+  stability::KeyGroup several = result.key_groups->groups[0];
+  several.blocks.push_back(topology::BlockId{6U});
+  several.volume = cubic_metres(7);
+  several.factor_of_largest = 0.915;
+  result.key_groups->groups.push_back(several);
+  EXPECT_TRUE(key_groups_csv(result).contains(",0.89,0.915\n"));
+  EXPECT_TRUE(key_groups_section(result).contains(">Its largest block</th>"));
+  EXPECT_TRUE(key_groups_section(result).contains(">0.915</td>"));
+  EXPECT_EQ(scene::count_key_groups(*result.key_groups).factor_of_largest, 0.915);
+  several.volume = cubic_metres(6);
+  several.factor_of_largest = 0.5;
+  result.key_groups->groups.push_back(several);
+  EXPECT_EQ(scene::count_key_groups(*result.key_groups).factor_of_largest, 0.915);
+  result.key_groups->groups.resize(1);
   const scene::KeyGroupFigures figures = scene::count_key_groups(*result.key_groups);
   EXPECT_EQ(figures.factor, 0.94);
   EXPECT_EQ(figures.least_factor, 0.89);
+  EXPECT_EQ(figures.factor_of_largest, std::nullopt);
   result.key_groups = one(3);
   // Only groups of the rock that the page shows can be picked in it.
   const std::string table = key_groups_section(result);
@@ -194,21 +211,48 @@ TEST(BorderBlocksCsv, HasEveryBlockOfEveryCase) {
   EXPECT_EQ(std::ranges::count(csv, '\n'), 4) << csv;
 }
 
-TEST(KeyBlocksCsv, TheFaceOfACutIsASlopeOrABench) {
+// Where there is no tunnel: the face of a cut, level ground above it and below, what overhangs.
+TEST(KeyBlocksCsv, PlacesAtCutsAndAtSidesOfTheDomain) {
+  constexpr std::uint32_t west = 0, east = 1, bottom = 4, top = 5;
+  const std::optional<std::uint32_t> domain{}, slope = 0, bench = 1, cavern = 2;
+  struct Free {
+    std::uint32_t side;
+    std::optional<std::uint32_t> excavation;
+  };
+  const std::vector<std::pair<std::vector<Free>, std::string>> cases{
+      {{{east, slope}}, "slope"},
+      {{{east, bench}, {west, domain}}, "bench"},
+      {{{east, slope}, {top, domain}}, "crest"},
+      {{{east, bench}, {top, bench}}, "crest"},  // a berm above it
+      {{{east, domain}, {top, domain}}, "crest"},
+      {{{top, slope}}, "floor"},
+      {{{top, domain}}, "ground"},
+      {{{bottom, cavern}}, "roof"},
+      {{{east, cavern}}, "face"},
+      {{{east, domain}}, "face"},
+      {{{bottom, cavern}, {east, cavern}, {west, cavern}}, "face"},  // what has most area
+  };
   HandMade made;
   stability::Analysis analysis;
-  for (std::uint32_t cut = 0; cut < 2; ++cut) {
+  for (std::uint32_t block = 0; block < cases.size(); ++block) {
     auto faces = box_faces({0, 0, 0}, {1, 1, 1}, Role::joint);
-    faces[1].role = faces[5].role = Role::free;
-    faces[1].excavation = cut;  // the other one is a side of the domain
+    for (const Free& free : cases[block].first) {
+      faces[free.side].role = Role::free;
+      faces[free.side].excavation = free.excavation;
+    }
     made.block(faces, box_counts, true);
-    analysis.judgements.push_back(judgement(cut, stability::Mode::falling, 1, 0));
+    analysis.judgements.push_back(judgement(block, stability::Mode::falling, 1, 0));
   }
   scene::RunResult result = result_of(analysis);
-  result.excavations = {{"cut", 1, {}, {}, {}, "slope"}, {"pit bench 1", 1, {}, {}, {}, "bench"}};
+  result.excavations = {
+      {"cut", 1, {}, {}, {}, "slope"}, {"pit bench 1", 1, {}, {}, {}, "bench"}, {"cavern", 1, {}, {}, {}}};
   const std::string csv = key_blocks_csv(std::move(made).complex(), result);
-  EXPECT_TRUE(csv.contains(",slope,,2,")) << csv;
-  EXPECT_TRUE(csv.contains(",bench,,2,")) << csv;
+  for (std::size_t block = 0; block < cases.size(); ++block) {
+    const std::size_t at = csv.find("\n" + std::to_string(block) + ",");
+    ASSERT_NE(at, std::string::npos);
+    const std::string row = csv.substr(at + 1, csv.find('\n', at + 1) - at - 1);
+    EXPECT_TRUE(row.contains("," + cases[block].second + ",,")) << row;
+  }
 }
 
 // The centroid is that of all by volume; the rest that of the block with most free area.
@@ -241,8 +285,8 @@ TEST(KeyGroupsCsv, SaysWhereAGroupIs) {
                                       of({topology::BlockId{2U}})}};
   const auto complex = std::move(made).complex();
   const std::string csv = key_groups_csv(result, &complex);
-  EXPECT_TRUE(csv.contains(",10,20,30,roof,15,12:00,1.25,A;B,\n")) << csv;
-  EXPECT_TRUE(csv.contains(",10,20,30,,,,0,A,\n")) << csv;
+  EXPECT_TRUE(csv.contains(",10,20,30,roof,15,12:00,1.25,A;B,,\n")) << csv;
+  EXPECT_TRUE(csv.contains(",10,20,30,,,,0,A,,\n")) << csv;
   const std::string table = key_groups_section(result, &complex);
   EXPECT_TRUE(table.contains("roof, 12:00, chainage 15 m")) << table;
 }
@@ -260,7 +304,7 @@ TEST(KeyBlocksCsv, DepthIsMeasuredFromTheFreeFace) {
   stability::Analysis analysis;
   analysis.judgements = {judgement(0, stability::Mode::falling, 1, 0)};
   const std::string csv = key_blocks_csv(std::move(made).complex(), result_of(analysis));
-  EXPECT_TRUE(csv.ends_with(",face,,8,,,0.5," + number(4 * std::sqrt(2.0)) + "\n")) << csv;
+  EXPECT_TRUE(csv.ends_with(",roof,,8,,,0.5," + number(4 * std::sqrt(2.0)) + "\n")) << csv;
 }
 
 TEST(KeyBlocksCsv, RowsAreTheRemovableBlocksThatWouldMoveWithoutFriction) {

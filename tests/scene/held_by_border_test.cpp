@@ -268,7 +268,7 @@ TEST(PressureDiagram, HasARowForEveryPlaceThatABlockCanBeAt) {
   std::vector<PressureAt> blocks;
   for (const std::string_view place : all_locations()) blocks.push_back({place, square_metres(1), pascals(5)});
   EXPECT_EQ(pressure_diagram(blocks).size(), all_locations().size());
-  for (const std::string_view place : {"slope", "bench", "face", "east wall", "left wall"}) {
+  for (const std::string_view place : {"slope", "bench", "crest", "ground", "face", "east wall", "left wall"}) {
     const auto rows = pressure_diagram({{place, square_metres(2), pascals(7)}});
     ASSERT_EQ(rows.size(), 1U) << place;
     EXPECT_EQ(rows[0].place, place);

@@ -223,7 +223,7 @@ TEST(KeyGroupsScene, OfEachLoadCase) {
   EXPECT_TRUE(noted.load_cases[1].analysis.batches.empty());
   // No key block, and yet the rock moves: the figures of each case say how much, and which is the worst.
   const Figures& figures = noted.figures;
-  EXPECT_EQ(figures.in_all->count, 0U);
+  EXPECT_EQ(figures.groups->in_all->count, 0U);
   EXPECT_EQ(figures.load_cases[0].groups->in_all->count, 0U);
   EXPECT_EQ(figures.load_cases[1].figures.count, 0U);
   EXPECT_EQ(figures.load_cases[1].groups->in_all->count, 2U);

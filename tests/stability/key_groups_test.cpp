@@ -11,6 +11,7 @@
 #include "audited.hpp"
 #include "cleave/geometry/solid.hpp"
 #include "cleave/stability/analyse.hpp"
+#include "near_scenes.hpp"
 #include "slab_behind_toe.hpp"
 #include "statics.hpp"
 
@@ -94,6 +95,42 @@ TEST(KeyGroupsTest, BecomeKeyBlocks) {
     // The lesser of both.
     EXPECT_NEAR(it->factor_of_safety, 0.894759, 1e-5);
   }
+}
+
+// The largest block of a group starts to move at a factor of its own, a crumb beside it at less.
+TEST(KeyGroupsTest, TheLargestBlockHasItsOwnFactor) {
+  const auto complex = audited(slab_behind_toe());
+  const Settings settings = statics::settings({strength(30)});
+  KeyGroups found = find_key_groups(complex, settings);
+  ASSERT_EQ(found.groups.size(), 1U);
+  EXPECT_EQ(found.groups[0].factor_of_largest, found.groups[0].least_factor());
+  found.groups[0].factor_of_largest = 0.95;
+  Analysis analysis;
+  decide_by_groups(complex, settings, found, analysis);
+  ASSERT_EQ(analysis.judgements.size(), 2U);
+  for (const Judgement& judgement : analysis.judgements) {
+    const bool slab = complex.complex().blocks()[judgement.block].volume.si() > 300;
+    EXPECT_EQ(judgement.factor_of_safety, slab ? 0.95 : found.groups[0].least_factor());
+  }
+}
+
+// A block in translation may be found to move where one that may turn too is wedged: with moments the factor is no
+// greater.
+TEST(KeyGroupsTest, MomentsNeverRaiseAFactor) {
+  const topology::CutInput input = near_scenes::network(3, 31, 30, true);
+  const auto complex = audited(input);
+  std::size_t several = 0, all = 0;
+  for (const KeyGroup& group : find_key_groups(complex, near_scenes::weak_rock()).groups) {
+    if (!group.factor_turning) continue;
+    ++all;
+    EXPECT_LE(*group.factor_turning, group.factor_move);
+    if (!group.factor_of_largest) continue;
+    ++several;
+    EXPECT_GE(*group.factor_of_largest, group.least_factor());
+    EXPECT_LE(*group.factor_of_largest, 1);
+  }
+  EXPECT_GT(all, 5U);
+  EXPECT_GT(several, 0U);
 }
 
 // So does a block that no direction frees by itself: it has the factor of its group.

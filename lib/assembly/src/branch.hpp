@@ -43,6 +43,11 @@ struct Twice {
 enum class Accuracy : std::uint8_t { fine, quick, coarse };
 [[nodiscard]] StaticFactor static_factor(const Assembly& assembly, Accuracy accuracy);
 [[nodiscard]] MovingFactor moving_factor(const Assembly& assembly, double up, Accuracy accuracy);
+/// Of an assembly that moves at strengths over `least`, at most 1, and of which this body moves at strengths as they
+/// are: at which the body starts to move. `least` itself where it moves there, else to 1e-3.
+[[nodiscard]] double factor_of_body(const Assembly& assembly, std::uint32_t body, double least, Accuracy accuracy);
+/// By speed: which bodies move.
+[[nodiscard]] std::vector<std::uint8_t> moving_ones(const std::vector<double>& speed);
 
 /// Solutions of the Coulomb problem from rest, from low strength to high: a solution that moves at one strength is the
 /// start at the next.

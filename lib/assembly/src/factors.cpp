@@ -21,6 +21,10 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double largest_factor = 1e4, least_factor = 1e-4;
 /// Larger assemblies take larger steps, and end sooner: to 1e-4.
 constexpr std::size_t few_for_factors = 16;
+/// A body belongs to a motion when it has this share of its largest rate.
+constexpr double belongs = 1e-6;
+/// How fine the factor of one body of a group is.
+constexpr double fine_for_bodies = 1e-3;
 
 std::vector<double> speeds(const Elements& elements, const VectorXd& v) {
   std::vector<double> out(elements.bodies());
@@ -231,6 +235,40 @@ MovingFactor moving_factor(const Assembly& assembly, double up, Accuracy accurac
   if (good == infinite) return {std::min(up, bad), false};
   while (good > bad * (1 + (large ? 1e-4 : 5e-8))) (void)look(std::sqrt(good * bad));
   return {std::min(good, up), settled};
+}
+
+std::vector<std::uint8_t> moving_ones(const std::vector<double>& speed) {
+  double most = 0;
+  for (const double s : speed) most = std::max(most, s);
+  std::vector<std::uint8_t> out(speed.size(), 0);
+  for (std::size_t b = 0; b < speed.size(); ++b) out[b] = most > slow && speed[b] > belongs * most ? 1 : 0;
+  return out;
+}
+
+double factor_of_body(const Assembly& assembly, std::uint32_t body, double least, Accuracy accuracy) {
+  const Elements elements{assembly};
+  Branch branch{elements};
+  if (!branch.begin()) return 1;
+  if (accuracy == Accuracy::quick) branch.allow(quick_search);
+  const Branch::Effort effort = accuracy == Accuracy::coarse ? Branch::Effort::sweeps : Branch::Effort::whole;
+  const auto moves = [&](double f) {
+    const Branch::Found found = branch.at(f, effort);
+    if (found.what != FromRest::moves || moving_ones(speeds(elements, found.state.v))[body] == 0) return false;
+    branch.keep(found);
+    return true;
+  };
+  if (moves((1 + fine_for_bodies) * std::max(least, least_factor))) return least;
+  double good = 1, bad = 1;
+  while (bad > least_factor && moves(bad)) {
+    good = bad;
+    bad *= 0.8;
+  }
+  if (!(bad > least_factor)) return 0;
+  while (good > (1 + fine_for_bodies) * bad) {
+    const double f = std::sqrt(good * bad);
+    (moves(f) ? good : bad) = f;
+  }
+  return good;
 }
 
 }  // namespace cleave::assembly

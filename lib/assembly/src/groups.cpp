@@ -20,8 +20,6 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t most_for_factors = 16, few_for_fine_factors = 4;
 /// Certainty is not looked for in larger parts: they are unsafe at least.
 constexpr std::size_t most_projected = 400;
-/// A body belongs to a motion when it has this share of its largest rate.
-constexpr double belongs = 1e-6;
 /// What moves at strengths over this is in doubt: a start in another order may find the same at strengths as they are.
 constexpr double within_reach = 1.05;
 /// So is what moves with this share of its cohesion: shear that grows evenly along a joint, from nothing to what it
@@ -32,14 +30,6 @@ constexpr int most_rounds = 4;
 constexpr double still_of_few = 1e-6, still_of_many = 1e-4;
 /// Up to so many bodies are looked at in all orders of contacts; among more one other search is made.
 constexpr std::size_t most_for_orders = 400;
-
-std::vector<std::uint8_t> moving_ones(const std::vector<double>& speed) {
-  double most = 0;
-  for (const double s : speed) most = std::max(most, s);
-  std::vector<std::uint8_t> out(speed.size(), 0);
-  for (std::size_t b = 0; b < speed.size(); ++b) out[b] = most > slow && speed[b] > belongs * most ? 1 : 0;
-  return out;
-}
 
 Motion of_members(const Motion& motion, const std::vector<std::uint32_t>& members) {
   Motion out;
@@ -79,6 +69,17 @@ Assembly with_bonds(const Assembly& assembly, const std::vector<double>& share) 
 std::vector<double> even_shares(const Assembly& assembly) {
   std::vector<double> out;
   for (const Contact& contact : assembly.contacts()) out.push_back(contact.is_tie() ? 1 : even_share);
+  return out;
+}
+
+/// Of equal ones the least.
+double factor_of_heaviest(const Assembly& assembly, double least, Accuracy accuracy) {
+  const double most = std::ranges::max_element(assembly.bodies(), {}, &Body::mass)->mass;
+  double out = 1;
+  for (std::uint32_t b = 0; b < assembly.bodies().size(); ++b) {
+    if (assembly.bodies()[b].mass < (1 - 1e-9) * most) continue;
+    out = std::min(out, factor_of_body(assembly, b, least, accuracy));
+  }
   return out;
 }
 
@@ -396,11 +397,16 @@ class Search final {
       group.up = static_factor(part, accuracy);
       const Assembly pressed = counting.part(group.bodies, Assembly::Others::fixed);
       group.moving = moving_factor(pressed, group.up.factor, accuracy);
+      const bool several = moves && group.bodies.size() > 1;
+      if (several) group.heaviest = factor_of_heaviest(pressed, std::min(group.moving.factor, 1.0), accuracy);
       if (moves && !turns(island_.freedom())) {
-        const Freedom turning = flat(island_.freedom()) ? Freedom::section : Freedom::rigid;
+        const Assembly turning = pressed.with(flat(island_.freedom()) ? Freedom::section : Freedom::rigid);
         // More freedoms never raise what admits balance.
-        group.turning = moving_factor(pressed.with(turning), group.up.factor, accuracy);
+        group.turning = moving_factor(turning, group.up.factor, accuracy);
         group.turning->factor = std::min({group.turning->factor, group.moving.factor, 1.0});
+        if (several) {
+          group.heaviest = std::min(*group.heaviest, factor_of_heaviest(turning, group.turning->factor, accuracy));
+        }
       }
     }
     // It moves at strengths as they are.

@@ -54,9 +54,10 @@ std::string key_block_lines(const scene::KeyBlockFigures& key) {
 /// What moves alone or together, where that is more than key blocks.
 std::string group_line(const std::optional<scene::KeyGroupFigures>& groups) {
   if (!groups || !groups->in_all || (groups->count == 0 && groups->in_doubt == 0)) return {};
-  std::string text =
-      say("  with groups: {in_all_count} blocks, {in_all_volume_m3:.6g} m3 in all; {count} groups", *groups);
+  std::string text = say("  with groups: {in_all_count} blocks, {in_all_volume_m3:.6g} m3 in all; {count} ", *groups) +
+                     (groups->count == 1 ? "group" : "groups");
   if (std::isfinite(groups->least_factor)) text += say(", least factor {factor_with_moments:.3g}", *groups);
+  if (groups->factor_of_largest > groups->least_factor) text += say(", largest block {factor_of_largest:.3g}", *groups);
   return text + say("; {in_doubt} in doubt\n", *groups);
 }
 
@@ -137,12 +138,7 @@ std::string figures_of(const scene::RunResult& result) {
           more_than_shown(figures.input.excavations.size(), "             ", "");
   text += block_lines(result);
   if (figures.key_blocks) {
-    std::optional<scene::KeyGroupFigures> groups;
-    if (result.key_groups) {
-      groups = scene::count_key_groups(*result.key_groups);
-      groups->in_all = figures.in_all;
-    }
-    text += key_block_lines(*figures.key_blocks) + group_line(groups);
+    text += key_block_lines(*figures.key_blocks) + group_line(figures.groups);
   }
   for (const scene::CaseFigures& load : figures.load_cases) {
     text += say("  under {name}: {count} blocks, {volume_m3:.6g} m3, lowest factor of safety "

@@ -241,15 +241,19 @@ std::pair<double, double> how_bad(const KeyBlockFigures& figures, const std::opt
   return {-moves, std::min(figures.lowest_factor_of_safety, together)};
 }
 
-std::optional<std::string> governing_case(const Figures& figures, const RunResult& result) {
+std::optional<KeyGroupFigures> base_groups(const RunResult& result) {
+  if (!result.key_groups) return std::nullopt;
+  KeyGroupFigures figures = count_key_groups(*result.key_groups);
+  if (result.groups_below_target) add_below_target(*result.groups_below_target, figures);
+  figures.together = result.group_factor;
+  if (result.analysis) figures.in_all = count_in_all(result, *result.analysis, result.key_groups);
+  return figures;
+}
+
+std::optional<std::string> governing_case(const Figures& figures) {
   if (figures.load_cases.empty() || !figures.key_blocks) return std::nullopt;
-  std::optional<KeyGroupFigures> base;
-  if (result.key_groups) {
-    base = count_key_groups(*result.key_groups);
-    base->in_all = figures.in_all;
-  }
   std::string out = "base";
-  auto worst = how_bad(*figures.key_blocks, base);
+  auto worst = how_bad(*figures.key_blocks, figures.groups);
   for (const CaseFigures& load : figures.load_cases) {
     const auto here = how_bad(load.figures, load.groups);
     if (here < worst) {
@@ -301,7 +305,7 @@ Figures count(const RunResult& result) {
                              held.all_free.si() > 0 ? held.free_area / held.all_free : 0, held.together};
   };
   if (figures.key_blocks && result.domain_held) figures.key_blocks->domain_held = count_held(*result.domain_held);
-  if (result.analysis) figures.in_all = count_in_all(result, *result.analysis, result.key_groups);
+  figures.groups = base_groups(result);
   for (const CaseResult& load : result.load_cases) {
     CaseFigures& row = figures.load_cases.emplace_back(load.name, count_key_blocks(load.analysis, target));
     if (load.domain_held) row.figures.domain_held = count_held(*load.domain_held);
@@ -309,7 +313,7 @@ Figures count(const RunResult& result) {
     row.groups = count_key_groups(*load.groups);
     row.groups->in_all = count_in_all(result, load.analysis, load.groups);
   }
-  figures.governing_case = governing_case(figures, result);
+  figures.governing_case = governing_case(figures);
   if (result.support) {
     figures.support = count_support(result, *result.support);
     figures.support->targets = target.value_or(Targets{});

@@ -53,6 +53,7 @@ std::string too_many_with_support(std::string_view where) {
 
 KeyGroupFigures count_key_groups(const stability::KeyGroups& groups) {
   KeyGroupFigures figures{.judged = !groups.too_many};
+  Volume largest = {};
   for (const stability::KeyGroup& group : groups.groups) {
     const bool doubt = group.verdict == assembly::Verdict::in_doubt;
     figures.certain += group.verdict == assembly::Verdict::certain ? 1U : 0U;
@@ -64,6 +65,9 @@ KeyGroupFigures count_key_groups(const stability::KeyGroups& groups) {
     if (!group.factors) continue;
     figures.factor = std::min(figures.factor, group.factor_move);
     figures.least_factor = std::min(figures.least_factor, group.least_factor());
+    if (!(group.volume > largest)) continue;
+    largest = group.volume;
+    figures.factor_of_largest = group.factor_of_largest.value_or(group.least_factor());
   }
   return figures;
 }

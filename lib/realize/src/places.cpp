@@ -67,6 +67,37 @@ std::size_t nearest_of(int parts, double right, double up) {
   return static_cast<std::size_t>((std::lround(part) + parts) % parts);
 }
 
+/// Free faces of a block that are not a tunnel's, by how they lie.
+class OpenGround {
+ public:
+  void add(const topology::Face& face, bool cut) {
+    Part& part = face.outward.z >= level          ? (cut ? floor_ : ground_)
+                 : face.outward.z <= -overhanging ? roof_
+                                                  : wall_;
+    const double area = face.area.si();
+    part.area += area;
+    part.height += area * face.centroid.z;
+  }
+  /// `wall`: the name of what is steep; empty without faces.
+  [[nodiscard]] std::string_view name(std::string_view wall) const {
+    for (const Part* above : {&floor_, &ground_}) {
+      if (wall_.area > 0 && above->area > 0 && above->height / above->area > wall_.height / wall_.area) return "crest";
+    }
+    const std::array<std::pair<double, std::string_view>, 4> parts{
+        {{wall_.area, wall}, {floor_.area, "floor"}, {ground_.area, "ground"}, {roof_.area, "roof"}}};
+    const auto most = std::ranges::max_element(parts, {}, [](const auto& part) { return part.first; });
+    return most->first > 0 ? most->second : std::string_view{};
+  }
+
+ private:
+  /// What dips by less than ten degrees is level: slopes may be flat. A roof overhangs by more than forty-five.
+  static constexpr double level = 0.984807753012208, overhanging = 0.7071067811865476;
+  struct Part {
+    double area = 0, height = 0;  ///< sums; heights by area
+  };
+  Part wall_, floor_, ground_, roof_;
+};
+
 /// Depth and extent of a block.
 void measure(const topology::BlockComplex& complex, topology::BlockId block, BlockPlace& place) {
   std::vector<topology::VertexId> corners, open;  // of its faces, of the free ones
@@ -125,9 +156,9 @@ double clock_of(const geometry::SectionFrame& section, Vec3 away) {
 }
 
 std::span<const std::string_view> all_locations() {
-  static constexpr std::array<std::string_view, 11> all{"roof",       "left wall", "right wall", "floor",
-                                                        "north wall", "east wall", "south wall", "west wall",
-                                                        "slope",      "bench",     "face"};
+  static constexpr std::array<std::string_view, 13> all{
+      "roof",      "left wall", "right wall", "floor", "north wall", "east wall", "south wall",
+      "west wall", "crest",     "slope",      "bench", "face",       "ground"};
   return all;
 }
 
@@ -158,21 +189,29 @@ BlockPlace place_of(const RunResult& result, const topology::BlockComplex& compl
     Vec3 towards;  ///< sum of outward area vectors
   };
   std::map<std::uint32_t, Opening> openings;  // by excavation
+  OpenGround ground;
   for (const topology::FaceId id : complex.blocks()[block].faces) {
     const topology::Face& face = complex.faces()[id];
     if (face.role != topology::Role::free) continue;
     place.free_area += face.area;
-    place.location = "face";
-    if (!face.excavation || *face.excavation >= result.excavations.size()) continue;
+    const bool cut = face.excavation && *face.excavation < result.excavations.size();
+    ground.add(face, cut);
+    if (!cut) continue;
     Opening& opening = openings[*face.excavation];
     opening.area += face.area.si();
     opening.towards += face.area.si() * face.outward;
   }
   const auto widest = std::ranges::max_element(openings, {}, [](const auto& entry) { return entry.second.area; });
-  if (widest == openings.end()) return place;
+  if (widest == openings.end()) {
+    place.location = ground.name("face");
+    return place;
+  }
   const auto& tunnel = result.excavations[widest->first].tunnel;
   place.location = result.excavations[widest->first].wall;
-  if (!tunnel || tunnel->axis.size() < 2) return place;
+  if (!tunnel || tunnel->axis.size() < 2) {
+    place.location = ground.name(place.location);
+    return place;
+  }
   place.chainage = stochastic::chainage_of(tunnel->axis, place.centroid);
   const geometry::SectionFrame section = frame_at(*tunnel, *place.chainage);
   const Vec3 away = -widest->second.towards;

@@ -39,8 +39,8 @@ const T* pointer_to(const std::optional<T>& value) {
 /// What single key blocks leave out: groups that only move together, and blocks that the border of the domain holds.
 std::string cards_beyond_single_blocks(const Page& page) {
   std::string out;
-  if (const auto& found = page.result.key_groups) {
-    const scene::KeyGroupFigures groups = scene::count_key_groups(*found);
+  if (page.figures().groups) {
+    const scene::KeyGroupFigures& groups = *page.figures().groups;
     const std::uint64_t shown = groups.count + groups.in_doubt;
     const std::string link = shown > 0 ? "<a href=\"#groups\">" : "", end = shown > 0 ? "</a>" : "";
     if (!groups.judged) {

@@ -44,6 +44,7 @@ void fields(V& v, const ShownGroup& x) {
   v("volume_m3", g.volume);
   v("factor_move", factor(g.factor_move), "of motion from rest: the factor of safety of the group");
   v("factor_with_moments", factor(g.factor_turning), "the same with moments, of what translation alone moves");
+  v("factor_of_largest", factor(g.factor_of_largest), "at which the largest of several blocks starts to move");
   v("factor_up", factor(g.factor_up), "above it motion is certain");
   v("moments", g.moments, "blocks turn: translation alone does not move them");
   v("location", where_of(x.row));
@@ -135,6 +136,7 @@ std::string key_groups_section(const scene::RunResult& result, const topology::B
       "blocks could. In doubt: not decided, not stable. The factor of safety is that of motion from rest; above the "
       "upper factor motion is certain.</p>\n";
   const bool turning = std::ranges::any_of(rows, [](const KeyGroupRow& row) { return bool{row.g.factor_turning}; });
+  const bool several = std::ranges::any_of(rows, [](const KeyGroupRow& row) { return bool{row.g.factor_of_largest}; });
   const bool cases = std::ranges::any_of(rows, [](const KeyGroupRow& row) { return !row.load_case.empty(); });
   const bool stages = std::ranges::any_of(rows, [](const KeyGroupRow& row) { return row.stage.has_value(); });
   std::vector<Shown> columns{{"group"},
@@ -146,6 +148,7 @@ std::string key_groups_section(const scene::RunResult& result, const topology::B
                              {"factor_up", "Upper factor"},
                              {"moments", "Turns"}};
   if (turning) columns.insert(columns.end() - 2, {"factor_with_moments", "With moments"});
+  if (several) columns.insert(columns.end() - 2, {"factor_of_largest", "Its largest block"});
   if (std::ranges::any_of(rows, [](const KeyGroupRow& row) { return row.place && !row.place->location.empty(); }))
     columns.push_back({"location", "Where"});
   if (std::ranges::any_of(rows, [](const KeyGroupRow& row) { return row.let_go.has_value(); }))

@@ -125,8 +125,10 @@ void place_fields(V& v, const scene::BlockPlace& place, const std::vector<std::s
   v("z_m", place.centroid.z);
   v("location", place.location,
     "`roof`, `floor`, `left wall`, `right wall` of a tunnel (looking along its axis); `north wall`, `east wall`, "
-    "`south wall`, `west wall` of a shaft (an axis that plunges 70 degrees or more); `slope`, `bench`: of an "
-    "excavation of that kind; `face`: a tunnel's heading and any other free face");
+    "`south wall`, `west wall` of a shaft (an axis that plunges 70 degrees or more). Elsewhere `slope`, `bench`: of an "
+    "excavation of that kind; `crest`: of a block with level ground above such a face; `floor`: level ground that is "
+    "cut, `ground`: that is a side of the domain (dips below 10 degrees); `roof`: it overhangs by more than 45 "
+    "degrees; `face`: a tunnel's heading and any other free face");
   v("chainage_m", place.chainage, "along the tunnel's axis; empty where there is no tunnel");
   v("free_area_m2", place.free_area, "of the block's free faces");
   v("sets", sets, "joint sets that bound the block, joined by `;`");
@@ -364,6 +366,9 @@ void fields(V& v, const KeyGroupRow& x) {
   v("sets", x.sets, "joint sets that bound its blocks, joined by `;`");
   v("factor_with_moments", x.g.factors ? x.g.factor_turning : std::nullopt,
     "`factor_move` with moments, of a group that translation alone moves: the lesser of both counts");
+  v("factor_of_largest", x.g.factors ? x.g.factor_of_largest : std::nullopt,
+    "at which the largest of several blocks starts to move: a crumb beside it may move at less, and gives the group its "
+    "factor");
 }
 
 /// A group of blocks below its target, and what the support leaves of it.

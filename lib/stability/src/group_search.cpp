@@ -45,7 +45,9 @@ assembly::Group without(const assembly::Group& group, const std::vector<std::uin
     out.bodies.push_back(group.bodies[k]);
     out.motion.push_back(group.motion[k]);
   }
-  if (out.bodies.size() < group.bodies.size() && group.verdict == Verdict::certain) out.verdict = Verdict::unsafe;
+  if (out.bodies.size() == group.bodies.size()) return out;
+  if (group.verdict == Verdict::certain) out.verdict = Verdict::unsafe;
+  out.heaviest.reset();
   return out;
 }
 
@@ -451,6 +453,7 @@ class Search final {
     out.factor_up = group.up.factor;
     out.factor_move = group.moving.factor;
     if (group.turning) out.factor_turning = group.turning->factor;
+    out.factor_of_largest = group.heaviest;
     out.factors = group.factors;
     return out;
   }

@@ -194,6 +194,8 @@ void decide_by_groups(const topology::AuditedComplex& complex, const Settings& s
   const Model model{complex.complex(), settings};
   for (const KeyGroup& group : groups.groups) {
     if (group.verdict == assembly::Verdict::in_doubt) continue;
+    Volume largest = {};
+    for (const BlockId id : group.blocks) largest = std::max(largest, complex.complex().blocks()[id].volume);
     for (std::size_t k = 0; k < group.blocks.size(); ++k) {
       const BlockId id = group.blocks[k];
       const topology::Block& block = complex.complex().blocks()[id];
@@ -205,9 +207,10 @@ void decide_by_groups(const topology::AuditedComplex& complex, const Settings& s
         it->factor_of_safety = std::numeric_limits<double>::infinity();
       }
       if (it->batch) continue;
+      const bool is_largest = block.volume.si() >= (1 - 1e-9) * largest.si();
       it->key = true;
       it->batch = group.batch;
-      it->factor_of_safety = std::min(it->factor_of_safety, group.least_factor());
+      it->factor_of_safety = std::min(it->factor_of_safety, is_largest ? group.factor_of_largest.value_or(group.least_factor()) : group.least_factor());
       const geometry::Vec3 velocity = group.rates[k].velocity;
       if (norm(velocity) > 0) it->direction = normalized(velocity);
       // What is out of balance: of a block by itself the same.

@@ -152,6 +152,9 @@ struct Group {
   MovingFactor moving;
   /// Where it was found in translation: with moments, at strengths as they count in translation.
   std::optional<MovingFactor> turning = {};
+  /// At which the heaviest of several bodies starts to move, of both the lesser: that of the group or more, then to
+  /// 1e-3. A crumb beside it may move at less.
+  std::optional<double> heaviest = {};
   bool factors = true;  ///< false: not asked for, or the group is too large, and they say no more than the verdict
 };
 struct Groups {

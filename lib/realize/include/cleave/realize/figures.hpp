@@ -247,6 +247,8 @@ struct KeyGroupFigures {
   std::uint64_t certain = 0, unsafe = 0, in_doubt = 0;
   double factor = std::numeric_limits<double>::infinity();        ///< least of the groups that have one
   double least_factor = std::numeric_limits<double>::infinity();  ///< with moments, too
+  /// Of the largest block of the largest group that has factors.
+  std::optional<double> factor_of_largest = {};
   /// Groups that move at strengths over the target, where it was asked.
   std::optional<std::uint64_t> below_target = {};
   Volume below_target_volume = {};
@@ -265,6 +267,9 @@ void fields(V& v, const KeyGroupFigures& x) {
   v("factor_with_moments", when(std::isfinite(x.least_factor), x.least_factor),
     "the same with moments of what translation alone moves, too: the lesser of both of each group counts");
   v("factor_reason", when(!std::isfinite(x.factor), "no group has a finite factor"));
+  v("factor_of_largest", x.factor_of_largest,
+    "at which the largest block of the largest group with factors starts to move: the least factor may be that of a "
+    "crumb");
   v("below_target", x.below_target,
     "groups that move at strengths over the scene's target for sliding; without support");
   v("below_target_volume_m3", when(x.below_target.has_value(), x.below_target_volume));
@@ -537,7 +542,7 @@ struct Figures {
   std::optional<BlockFigures> blocks;  ///< none when the certificate did not pass
   std::optional<KeyBlockFigures> key_blocks;
   std::vector<CaseFigures> load_cases;  ///< of [[load]]
-  std::optional<InAll> in_all;          ///< where blocks were judged together
+  std::optional<KeyGroupFigures> groups = {};  ///< of the base case
   /// Under which load most moves; "base" is that of [stability]. With load cases.
   std::optional<std::string> governing_case = {};
   std::optional<SupportFigures> support;

@@ -13,8 +13,9 @@ namespace cleave::scene {
 /// Where a block is.
 struct BlockPlace {
   geometry::Vec3 centroid = {};  ///< m
-  /// `location_of` at a tunnel or a shaft; "slope" or "bench" of a cut; "face": any other free face; empty: there is
-  /// none.
+  /// `location_of` at a tunnel or a shaft; elsewhere "slope" or "bench" of a cut, "crest" with level ground above such
+  /// a face, "floor" or "ground" (of the domain) where it is level, "roof" where it overhangs; "face": any other free
+  /// face; empty: there is none.
   std::string_view location = {};
   std::optional<double> chainage = {};  ///< m along the axis of the tunnel that it has most free area at
   /// Hours on the face of a clock, looking along the axis: 12 at the crown, 3 on the right; in (0, 12].

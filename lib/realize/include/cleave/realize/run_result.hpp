@@ -348,11 +348,8 @@ void fields(V& v, const RunResult& x) {
                          w("load_cases", when_any(f.load_cases), "under each [[load]]");
                        })),
     "Blocks that leave.");
-  KeyGroupFigures groups = x.key_groups ? count_key_groups(*x.key_groups) : KeyGroupFigures{};
-  if (x.groups_below_target) add_below_target(*x.groups_below_target, groups);
-  groups.together = x.group_factor;
-  groups.in_all = f.in_all;
-  v("key_groups", when(x.key_groups.has_value(), group([&](auto& w) { fields(w, groups); })),
+  const KeyGroupFigures groups = f.groups.value_or(KeyGroupFigures{});
+  v("key_groups", when(f.groups.has_value(), group([&](auto& w) { fields(w, groups); })),
     "Blocks judged together; absent with groups = \"off\".");
   const SupportFigures& support = f.support ? *f.support : SupportFigures{};
   v("support", when(f.support.has_value(), group([&](auto& w) {

@@ -37,6 +37,9 @@ struct KeyGroup {
   [[nodiscard]] double least_factor() const noexcept {
     return factor_turning ? std::min(factor_move, *factor_turning) : factor_move;
   }
+  /// At which its largest block starts to move, of both the lesser: where that is more, to 0.1 %. Empty: the group has
+  /// one block, or is too large.
+  std::optional<double> factor_of_largest = {};
   bool factors = true;  ///< false: too large a group for factors
 };
 
