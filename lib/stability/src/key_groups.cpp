@@ -210,7 +210,9 @@ void decide_by_groups(const topology::AuditedComplex& complex, const Settings& s
       const bool is_largest = block.volume.si() >= (1 - 1e-9) * largest.si();
       it->key = true;
       it->batch = group.batch;
-      it->factor_of_safety = std::min(it->factor_of_safety, is_largest ? group.factor_of_largest.value_or(group.least_factor()) : group.least_factor());
+      it->factor_of_safety =
+          std::min(it->factor_of_safety,
+                   is_largest ? group.factor_of_largest.value_or(group.least_factor()) : group.least_factor());
       const geometry::Vec3 velocity = group.rates[k].velocity;
       if (norm(velocity) > 0) it->direction = normalized(velocity);
       // What is out of balance: of a block by itself the same.
