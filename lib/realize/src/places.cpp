@@ -71,9 +71,8 @@ std::size_t nearest_of(int parts, double right, double up) {
 class OpenGround {
  public:
   void add(const topology::Face& face, bool cut) {
-    Part& part = face.outward.z >= level          ? (cut ? floor_ : ground_)
-                 : face.outward.z <= -overhanging ? roof_
-                                                  : wall_;
+    Part& flat = cut ? floor_ : ground_;
+    Part& part = face.outward.z >= level ? flat : face.outward.z <= -overhanging ? roof_ : wall_;
     const double area = face.area.si();
     part.area += area;
     part.height += area * face.centroid.z;
@@ -156,9 +155,9 @@ double clock_of(const geometry::SectionFrame& section, Vec3 away) {
 }
 
 std::span<const std::string_view> all_locations() {
-  static constexpr std::array<std::string_view, 13> all{
-      "roof",      "left wall", "right wall", "floor", "north wall", "east wall", "south wall",
-      "west wall", "crest",     "slope",      "bench", "face",       "ground"};
+  static constexpr std::array<std::string_view, 13> all{"roof",      "left wall",  "right wall", "floor", "north wall",
+                                                        "east wall", "south wall", "west wall",  "crest", "slope",
+                                                        "bench",     "face",       "ground"};
   return all;
 }
 

@@ -367,7 +367,8 @@ void fields(V& v, const KeyGroupRow& x) {
   v("factor_with_moments", x.g.factors ? x.g.factor_turning : std::nullopt,
     "`factor_move` with moments, of a group that translation alone moves: the lesser of both counts");
   v("factor_of_largest", x.g.factors ? x.g.factor_of_largest : std::nullopt,
-    "at which the largest of several blocks starts to move: a crumb beside it may move at less, and gives the group its "
+    "at which the largest of several blocks starts to move: a crumb beside it may move at less, and gives the group "
+    "its "
     "factor");
 }
 

@@ -541,7 +541,7 @@ struct Figures {
   CutFigures input;
   std::optional<BlockFigures> blocks;  ///< none when the certificate did not pass
   std::optional<KeyBlockFigures> key_blocks;
-  std::vector<CaseFigures> load_cases;  ///< of [[load]]
+  std::vector<CaseFigures> load_cases;         ///< of [[load]]
   std::optional<KeyGroupFigures> groups = {};  ///< of the base case
   /// Under which load most moves; "base" is that of [stability]. With load cases.
   std::optional<std::string> governing_case = {};
