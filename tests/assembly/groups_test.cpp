@@ -258,6 +258,32 @@ TEST(KeyGroups, TheHeaviestBodyHasItsOwnFactor) {
   EXPECT_FALSE(find_groups(alone.made()).groups.at(0).heaviest.has_value());
 }
 
+// A block before a wedge slides off for certain; the wedge behind it, which only locked forces could hold, is a group
+// of its own. What goes on before it does not hold it: its factor is that of the wedge.
+TEST(KeyGroups, WhatMovesBesideAGroupDoesNotHoldIt) {
+  const auto wedge_behind = [](double friction) {
+    Builder b{Freedom::translation};
+    const Vec3 up{sin_deg(30), 0, cos_deg(30)}, down{cos_deg(30), 0, -sin_deg(30)}, across{0, 1, 0};
+    const std::uint32_t before = b.block({0, 0, -1}, 1), wedge = b.block({0, 0, -1}, 1);
+    b.contact(before, rock, up, tan_deg(10));
+    for (const double side : {-1.0, 1.0}) {
+      b.contact(wedge, rock, cos_deg(60) * up + side * sin_deg(60) * across, friction);
+    }
+    b.contact(before, wedge, down, tan_deg(10));
+    return find_groups(b.made()).groups;
+  };
+  // 2 N cos 60 balances cos 30 of the weight.
+  const auto factor = [](double friction) { return friction / (cos_deg(60) * tan_deg(30)); };
+  const std::vector<Group> moving = wedge_behind(0.27);
+  ASSERT_EQ(moving.size(), 2U);
+  EXPECT_EQ(moving[0].verdict, Verdict::certain);
+  EXPECT_NEAR(moving[0].moving.factor, tan_deg(10) / tan_deg(30), 1e-6);
+  EXPECT_EQ(moving[1].verdict, Verdict::unsafe);
+  EXPECT_NEAR(moving[1].moving.factor / factor(0.27), 1, 2e-6);
+  ASSERT_TRUE(moving[1].turning.has_value());
+  EXPECT_LE(moving[1].turning->factor, moving[1].moving.factor);
+}
+
 // Cohesion that only an even share of shear would bear, or that a corner that opens would lose, is not relied on where
 // blocks lean on one another: neither is motion proved, nor does it stand.
 TEST(KeyGroups, HeldByCohesionThatBreaksBitByBitAreInDoubt) {

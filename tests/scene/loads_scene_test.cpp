@@ -110,6 +110,67 @@ TEST(LoadsSceneTest, CombinedWaterPressesNowhereLessThanEither) {
   EXPECT_EQ(said(with("water = { table = 3 }\n")), 1);
 }
 
+// Hydrostatic pressure of a table at 10 m and 1000 N/m3 on a joint with its centroid at 3 m is 7 kPa in the mean. A
+// case with a table knows none of the water of [stability]; of a pressure and a table put together what presses more
+// counts.
+TEST(LoadsSceneTest, ATableTakesThePlaceOfPressuresAndCombinedPressesMost) {
+  const auto mean_pressures = [](const std::string& base, const std::string& cases) {
+    const Scene scene = scene_of(R"([domain]
+box = { min = [0, 0, 0], max = [8, 8, 6] }
+[[joint]]
+plane = { through = [4, 4, 3], dip = 30, dip_direction = 90 }
+set = "bedding"
+[joints.default]
+friction = 50
+[stability]
+free = ["top", "east", "west", "north", "south"]
+)" + base + cases);
+    StageTimer timer;
+    Progress progress{ProgressStyle::quiet};
+    const auto result = run(scene, {}, timer, progress);
+    EXPECT_TRUE(result.has_value());
+    const auto& complex = result->complex->complex();
+    const double degree = 3.14159265358979323846 / 180, area = 64 / std::cos(30 * degree);
+    const auto mean = [&](const stability::Analysis& a) {
+      const auto upper = *std::ranges::max_element(a.judgements, {},
+                                                   [&](const auto& j) { return complex.blocks()[j.block].centroid.z; });
+      const double weight = upper.weight.si();
+      const double pressed = upper.factor_of_safety * weight * std::sin(30 * degree) / std::tan(50 * degree);
+      return (weight * std::cos(30 * degree) - pressed) / area;
+    };
+    std::vector<double> out{mean(*result->analysis)};
+    for (const CaseResult& load : result->load_cases) out.push_back(mean(load.analysis));
+    return out;
+  };
+  const auto expect = [](const std::vector<double>& found, const std::vector<double>& wanted) {
+    ASSERT_EQ(found.size(), wanted.size());
+    for (std::size_t k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k], wanted[k], 1e-6) << k;
+  };
+  const std::string table = "water = { table = 10, unit_weight = 1000 }\n";
+  expect(mean_pressures("water = { pressures = { bedding = 2e3 } }\n",
+                        "[[load]]\nname = \"rain\"\n" + table +
+                            "[[load]]\nname = \"wet\"\nwater = { pressures = { bedding = 20e3 } }\n"
+                            "[[load]]\nname = \"quiet\"\nseismic = [0, 0, 0]\n"),
+         {2e3, 7e3, 20e3, 2e3});
+  // A pressure alone takes the place of the table on its joints.
+  expect(mean_pressures(table, "[[load]]\nname = \"drained\"\nwater = { pressures = { bedding = 0 } }\n"), {7e3, 0});
+  for (const std::string order : {"{ low = 1, rain = 1 }", "{ rain = 1, low = 1 }"}) {
+    expect(mean_pressures("",
+                          "[[load]]\nname = \"low\"\nwater = { pressures = { bedding = 2e3 } }\n"
+                          "[[load]]\nname = \"rain\"\n" +
+                              table + "[[load]]\nname = \"both\"\ncombine = " + order +
+                              "\n[[load]]\nname = \"more\"\nwater = { pressures = { bedding = 20e3 } }\n"
+                              "[[load]]\nname = \"all\"\ncombine = { both = 0.5, more = 1 }\n"
+                              "[[load]]\nname = \"half\"\ncombine = { both = 0.5 }\n"),
+           {0, 2e3, 7e3, 7e3, 20e3, 20e3, 3.5e3});
+  }
+  // Both stated in one case: the pressure is in place of the table, combined or not.
+  expect(mean_pressures("",
+                        "[[load]]\nname = \"both\"\nwater = { table = 10, unit_weight = 1000, pressures = { "
+                        "bedding = 2e3 } }\n[[load]]\nname = \"again\"\ncombine = { both = 1 }\n"),
+         {0, 2e3, 2e3});
+}
+
 // W sin(dip) against (W cos(dip) - u A) tan(friction): the pressure of one set is on its joints and on no other's.
 TEST(LoadsSceneTest, PressureOfASetActsOnItsJointsOnly) {
   const Scene scene = scene_of(R"([domain]
@@ -213,6 +274,31 @@ TEST(LoadsScene, WaterThatLiftsTheFloorIsSaid) {
   EXPECT_EQ(notes_with(flood, "load case flood: water lifts"), 1U);
   // What an earthquake lifts is no matter of water.
   EXPECT_EQ(notes_with(run_of(slab + "seismic = [0, 0, 1.5]\n"), "water lifts"), 0U);
+}
+
+// A depth in place of a level, an earthquake that pushes the rock into the slope: nothing moves, and the note says why.
+TEST(LoadsScene, CasesThatChangeNothingOrHelpAreSaid) {
+  const std::string slab = R"([domain]
+box = { min = [0, 0, 0], max = [8, 8, 6] }
+[[joint]]
+plane = { through = [4, 4, 3], dip = 20, dip_direction = 90 }
+[joints.default]
+friction = 30
+[stability]
+free = ["top", "east", "west", "north", "south"]
+)";
+  const auto load = [](std::string_view what) { return fmt::format("[[load]]\nname = \"a\"\n{}\n", what); };
+  const auto run_with = [&](std::string_view what) { return run_of(slab + load(what)); };
+  constexpr std::string_view nothing = "load case a changes the factor of safety of no block";
+  const RunResult deep = run_with("water = { table = 1 }");  // the joint lies at 1.54 m and more
+  EXPECT_EQ(notes_with(deep, "load case a changes the factor of safety of no block: its water (table = 1)"), 1U);
+  EXPECT_EQ(notes_with(run_with("water = { table = 3 }"), nothing), 0U);
+  EXPECT_EQ(notes_with(run_with("seismic = [0, 0, 0]"), nothing), 1U);
+  EXPECT_EQ(notes_with(run_with("seismic = [0, 0, 0]"), "its water"), 0U);
+  constexpr std::string_view sign = "check its sign";
+  EXPECT_EQ(notes_with(run_with("seismic = [-0.1, 0, 0]"), sign), 1U);
+  EXPECT_EQ(notes_with(run_with("seismic = [0.1, 0, 0]"), sign), 0U);
+  EXPECT_EQ(notes_with(run_with("water = { table = 3 }"), sign), 0U);
 }
 
 }  // namespace

@@ -90,6 +90,8 @@ TEST(GroupSupportTest, LevelBoltsHoldTheToeOfASlab) {
       ADD_FAILURE() << found.below.groups.size();
       return {};
     }
+    // Verdicts are all that is asked of them.
+    EXPECT_FALSE(found.below.groups.front().factors);
     return found.left_of(found.below.groups.front());
   };
   // Bolts are over the factor as strengths are. Within 5 % of the target: in doubt, as without support.

@@ -334,6 +334,43 @@ TEST(SupportTest, FallingBlockHangsOnItsBolts) {
   EXPECT_EQ(result.blocks[0].free_area.si(), 4);
 }
 
+// A wedge that falls opens all its joints: a pressure on its sloping face and bolts aslant, which press some of them
+// shut again, do not bring back their cohesion.
+TEST(SupportTest, CohesionOfFacesThatHaveOpenedIsLost) {
+  std::array<Vec3, 8> corners;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const double x = (i & 1U) != 0 ? 10 : 0, y = (i & 2U) != 0 ? 10 : 0;
+    corners[i] = {x, y, (i & 4U) != 0 ? 12 : 0.2 * x};
+  }
+  topology::CutInput input{
+      .domain = geometry::make_hexahedron(corners).value(), .joints = {}, .excavations = {}, .free_domain_tags = {4}};
+  for (const auto& [dip, direction] : {std::pair{60.0, 10.0}, std::pair{65.0, 130.0}, std::pair{55.0, 250.0}}) {
+    const double a = radians(dip), d = radians(direction);
+    input.joints.emplace_back(
+        topology::PersistentJoint{{5, 5, 4}, {std::sin(a) * std::sin(d), std::sin(a) * std::cos(d), std::cos(a)}});
+  }
+  const auto complex = audited(input);
+  const auto with_cohesion = [&](double cohesion) {
+    const Settings settings = statics::settings({strength(30, cohesion)});
+    const BoltType type{.tendon = newtons(5e6),
+                        .plate = newtons(1e8),
+                        .anchorage = metres(0.5),
+                        .kind = GroutedBar{.bond = newtons_per_metre(1e8)}};
+    const std::vector<Bolt> bolts{
+        {.collar = {5, 5, 1}, .direction = normalized(Vec3{0.3, 0, 1}), .length = metres(8), .type = type}};
+    const auto result = check_support(complex, settings, analyse(complex, settings), plan_with(bolts, 1.5));
+    EXPECT_EQ(result.blocks.size(), 1U);
+    return result.blocks.at(0);
+  };
+  const SupportedBlock bare = with_cohesion(0), cohesive = with_cohesion(1e6);
+  ASSERT_EQ(bare.mode, Mode::falling);
+  EXPECT_GT(bare.required_pressure, 0);
+  EXPECT_EQ(cohesive.required_pressure, bare.required_pressure);
+  ASSERT_TRUE(bare.factor_with_support.has_value());
+  EXPECT_GT(*bare.factor_with_support, 0.1);
+  EXPECT_EQ(cohesive.factor_with_support, bare.factor_with_support);
+}
+
 TEST(SupportTest, ShotcreteHoldsSmallFacesByTheirPerimeter) {
   const Ceiling c = Ceiling::make(0.7, 1, 12.46e3);
   SupportPlan plan = plan_with({}, 1.5);

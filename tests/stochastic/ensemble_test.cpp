@@ -561,14 +561,16 @@ TEST(EnsembleTest, SupportFiguresOnlyWhereThereIsASupport) {
   r.support = Supported{.needing = 3, .not_held = 1, .not_held_m3 = 0.5, .missing_n = 1e4};
   Record held = record(1, {1});
   held.support = Supported{.needing = 1};
+  Record sound = record(2, {1});
+  sound.support = Supported{};
   for (Ensemble* e : {&with, &without}) {
-    e->add(r, "");
-    e->add(held, "");
+    for (const Record& each : {r, held, sound, sound}) e->add(each, "");
   }
   const Figures f = with.figures(), plain = without.figures();
-  EXPECT_DOUBLE_EQ(find(f, "support_blocks_needing").mean, 2);
-  EXPECT_DOUBLE_EQ(find(f, "support_fails").mean, 0.5);
-  EXPECT_DOUBLE_EQ(find(f, "support_missing_force_n").mean, 5e3);
+  EXPECT_DOUBLE_EQ(find(f, "support_blocks_needing").mean, 1);
+  EXPECT_DOUBLE_EQ(find(f, "support_needed").mean, 0.5);
+  EXPECT_DOUBLE_EQ(find(f, "support_fails").mean, 0.25);
+  EXPECT_DOUBLE_EQ(find(f, "support_missing_force_n").mean, 2.5e3);
   EXPECT_TRUE(std::ranges::none_of(plain.estimates, [](const Estimate& e) { return e.name == "support_fails"; }));
 }
 

@@ -43,9 +43,14 @@ struct Twice {
 enum class Accuracy : std::uint8_t { fine, quick, coarse };
 [[nodiscard]] StaticFactor static_factor(const Assembly& assembly, Accuracy accuracy);
 [[nodiscard]] MovingFactor moving_factor(const Assembly& assembly, double up, Accuracy accuracy);
-/// Of an assembly that moves at strengths over `least`, at most 1, and of which this body moves at strengths as they
-/// are: at which the body starts to move. `least` itself where it moves there, else to 1e-3.
-[[nodiscard]] double factor_of_body(const Assembly& assembly, std::uint32_t body, double least, Accuracy accuracy);
+/// Where a factor is looked for, from `begin` down to `least`, which it is where what is looked for moves there
+/// already; else as fine as this.
+struct FactorRange {
+  double least = 0, begin = 1, fine = 1e-3;
+};
+/// At which one of the bodies that are marked in `these` starts to move; infinite where none does at the begin.
+[[nodiscard]] double factor_of(const std::vector<std::uint8_t>& these, const Assembly& assembly, FactorRange range,
+                               Accuracy accuracy);
 /// By speed: which bodies move.
 [[nodiscard]] std::vector<std::uint8_t> moving_ones(const std::vector<double>& speed);
 

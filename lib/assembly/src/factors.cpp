@@ -23,8 +23,6 @@ constexpr double largest_factor = 1e4, least_factor = 1e-4;
 constexpr std::size_t few_for_factors = 16;
 /// A body belongs to a motion when it has this share of its largest rate.
 constexpr double belongs = 1e-6;
-/// How fine the factor of one body of a group is.
-constexpr double fine_for_bodies = 1e-3;
 
 std::vector<double> speeds(const Elements& elements, const VectorXd& v) {
   std::vector<double> out(elements.bodies());
@@ -245,26 +243,31 @@ std::vector<std::uint8_t> moving_ones(const std::vector<double>& speed) {
   return out;
 }
 
-double factor_of_body(const Assembly& assembly, std::uint32_t body, double least, Accuracy accuracy) {
+double factor_of(const std::vector<std::uint8_t>& these, const Assembly& assembly, FactorRange range,
+                 Accuracy accuracy) {
   const Elements elements{assembly};
   Branch branch{elements};
-  if (!branch.begin()) return 1;
+  if (!branch.begin()) return infinite;
   if (accuracy == Accuracy::quick) branch.allow(quick_search);
   const Branch::Effort effort = accuracy == Accuracy::coarse ? Branch::Effort::sweeps : Branch::Effort::whole;
   const auto moves = [&](double f) {
     const Branch::Found found = branch.at(f, effort);
-    if (found.what != FromRest::moves || moving_ones(speeds(elements, found.state.v))[body] == 0) return false;
+    if (found.what != FromRest::moves) return false;
+    const std::vector<std::uint8_t> moving = moving_ones(speeds(elements, found.state.v));
     branch.keep(found);
-    return true;
+    for (std::size_t b = 0; b < moving.size(); ++b) {
+      if (these[b] != 0 && moving[b] != 0) return true;
+    }
+    return false;
   };
-  if (moves((1 + fine_for_bodies) * std::max(least, least_factor))) return least;
-  double good = 1, bad = 1;
+  if (range.least > 0 && moves((1 + range.fine) * range.least)) return range.least;
+  double good = infinite, bad = range.begin;
   while (bad > least_factor && moves(bad)) {
     good = bad;
     bad *= 0.8;
   }
   if (!(bad > least_factor)) return 0;
-  while (good > (1 + fine_for_bodies) * bad) {
+  while (good < infinite && good > (1 + range.fine) * bad) {
     const double f = std::sqrt(good * bad);
     (moves(f) ? good : bad) = f;
   }

@@ -10,14 +10,13 @@
 #include "cleave/core/assert.hpp"
 #include "cleave/core/fields.hpp"
 #include "cleave/core/parallel.hpp"
+#include "group_factors.hpp"
 #include "settle.hpp"
 
 namespace cleave::assembly {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// Larger groups get no factors; factors of more than few blocks are coarse, and what is in doubt has none then.
-constexpr std::size_t most_for_factors = 16, few_for_fine_factors = 4;
 /// Certainty is not looked for in larger parts: they are unsafe at least.
 constexpr std::size_t most_projected = 400;
 /// What moves at strengths over this is in doubt: a start in another order may find the same at strengths as they are.
@@ -69,17 +68,6 @@ Assembly with_bonds(const Assembly& assembly, const std::vector<double>& share) 
 std::vector<double> even_shares(const Assembly& assembly) {
   std::vector<double> out;
   for (const Contact& contact : assembly.contacts()) out.push_back(contact.is_tie() ? 1 : even_share);
-  return out;
-}
-
-/// Of equal ones the least.
-double factor_of_heaviest(const Assembly& assembly, double least, Accuracy accuracy) {
-  const double most = std::ranges::max_element(assembly.bodies(), {}, &Body::mass)->mass;
-  double out = 1;
-  for (std::uint32_t b = 0; b < assembly.bodies().size(); ++b) {
-    if (assembly.bodies()[b].mass < (1 - 1e-9) * most) continue;
-    out = std::min(out, factor_of_body(assembly, b, least, accuracy));
-  }
   return out;
 }
 
@@ -171,7 +159,9 @@ class Search final {
     }
     // What is certain counts all cohesion; what may move counts what is pressed.
     const Assembly counting = with_bonds(island_, counts_);
-    parallel_for(groups_.size(), threads_, [&](std::size_t k) { give_factors(groups_[k], counting); });
+    const std::vector<std::uint8_t> moves = in_groups_that_move();
+    parallel_for(groups_.size(), threads_,
+                 [&](std::size_t k) { give_factors(groups_[k], island_, counting, moves, ask_); });
     return true;
   }
   [[nodiscard]] std::vector<Group>& groups() noexcept { return groups_; }
@@ -263,7 +253,7 @@ class Search final {
   void look_closer(std::vector<std::uint8_t> among) {
     for (std::vector<std::uint32_t>& members : connected_parts(island_, not_taken(std::move(among)))) {
       const bool whole = members.size() == island_.bodies().size();
-      if (whole || members.size() > followed_bodies || !decided_apart(members)) in_doubt(std::move(members));
+      if (whole || members.size() > followed_bodies || !decided_apart(members)) (void)in_doubt(std::move(members));
     }
   }
 
@@ -290,7 +280,7 @@ class Search final {
     for (std::vector<std::uint32_t>& members : connected_parts(island_, not_taken(std::move(moves)))) {
       // Of one block in translation the answer is the only one, but for cohesion that next to nothing presses into use.
       const bool one = members.size() == 1 && !turns(island_.freedom());
-      if (!one || leans(members.front(), hardly)) in_doubt(std::move(members));
+      if (!one || leans(members.front(), hardly)) in_doubt(std::move(members)).weaker = true;
     }
   }
 
@@ -299,9 +289,9 @@ class Search final {
     return among;
   }
 
-  void in_doubt(std::vector<std::uint32_t> members) {
+  Group& in_doubt(std::vector<std::uint32_t> members) {
     Motion none(members.size());
-    add(std::move(members), Verdict::in_doubt, std::move(none));
+    return add(std::move(members), Verdict::in_doubt, std::move(none));
   }
 
   /// Contacts with cohesion or tension that do not press at all their points lose it; false when none did.
@@ -385,34 +375,13 @@ class Search final {
     return group;
   }
 
-  /// `counting`: the island with the cohesion that counts for what may move.
-  void give_factors(Group& group, const Assembly& counting) const {
-    const bool moves = group.verdict != Verdict::in_doubt;
-    group.factors = ask_ == Ask::factors && group.bodies.size() <= (moves ? most_for_factors : few_for_fine_factors);
-    group.up.factor = group.verdict == Verdict::certain ? 1 : infinite;
-    group.moving = {.factor = 1, .settled = false};
-    if (group.factors) {
-      const Assembly part = island_.part(group.bodies, Assembly::Others::fixed);
-      const Accuracy accuracy = group.bodies.size() > few_for_fine_factors ? Accuracy::coarse : Accuracy::quick;
-      group.up = static_factor(part, accuracy);
-      const Assembly pressed = counting.part(group.bodies, Assembly::Others::fixed);
-      group.moving = moving_factor(pressed, group.up.factor, accuracy);
-      const bool several = moves && group.bodies.size() > 1;
-      if (several) group.heaviest = factor_of_heaviest(pressed, std::min(group.moving.factor, 1.0), accuracy);
-      if (moves && !turns(island_.freedom())) {
-        const Assembly turning = pressed.with(flat(island_.freedom()) ? Freedom::section : Freedom::rigid);
-        // More freedoms never raise what admits balance.
-        group.turning = moving_factor(turning, group.up.factor, accuracy);
-        group.turning->factor = std::min({group.turning->factor, group.moving.factor, 1.0});
-        if (several) {
-          group.heaviest = std::min(*group.heaviest, factor_of_heaviest(turning, group.turning->factor, accuracy));
-        }
-      }
+  [[nodiscard]] std::vector<std::uint8_t> in_groups_that_move() const {
+    std::vector<std::uint8_t> out(island_.bodies().size(), 0);
+    for (const Group& group : groups_) {
+      if (group.verdict == Verdict::in_doubt) continue;
+      for (const std::uint32_t b : group.bodies) out[b] = 1;
     }
-    // It moves at strengths as they are.
-    if (moves) group.moving.factor = std::min(group.moving.factor, 1.0);
-    // The proof caps what contacts press with, the factor does not.
-    if (group.verdict == Verdict::certain) group.up.factor = std::min(group.up.factor, 1.0);
+    return out;
   }
 
   const Assembly& island_;

@@ -93,7 +93,8 @@ std::string running_text(const stochastic::Ensemble& ensemble, const std::string
   const stochastic::Moments& m = ensemble.moments(quantity);
   if (m.count() < 2) return {};
   const auto t = stochastic::t_interval(m.mean(), m.standard_error(), m.count(), confidence);
-  return fmt::format("{} {:.4g} [{:.4g}, {:.4g}]", quantity, m.mean(), t.low, t.high);
+  const double low = m.smallest() >= 0 ? std::max(0.0, t.low) : t.low;
+  return fmt::format("{} {:.4g} [{:.4g}, {:.4g}]", quantity, m.mean(), low, t.high);
 }
 
 }  // namespace

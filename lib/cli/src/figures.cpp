@@ -100,6 +100,12 @@ std::string support_lines(const scene::SupportFigures& support, const std::vecto
                          "  {bolts} bolts, {combined_blocks} stitched bodies ({combined_failing} failing); required "
                          "by these blocks {required_force_n}, missing {missing_force_n}\n",
                          group([&](auto& v) { scene::support_fields(v, support, {}, designs, {}); }));
+  for (const scene::SupportCaseFigures& load : cases) {
+    text +=
+        say("  under {name}: {blocks} blocks, {not_held} not held; required by these blocks {required_force_n}, "
+            "missing {missing_force_n}\n",
+            load);
+  }
   if (support.groups && support.groups->count > 0) {
     text += say("  {count} groups of blocks below their target, {not_held} not held, {in_doubt} in doubt\n",
                 *support.groups);

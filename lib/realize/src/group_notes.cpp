@@ -81,14 +81,34 @@ void add_below_target(const stability::KeyGroups& found, KeyGroupFigures& figure
   }
 }
 
+namespace {
+
+/// Groups in doubt for one reason.
+struct Doubts {
+  std::size_t groups = 0, blocks = 0;
+  Volume volume = {};
+  void add(const stability::KeyGroup& group) {
+    ++groups;
+    blocks += group.blocks.size();
+    volume += group.volume;
+  }
+  /// "3 groups of blocks", of which each has one block: "3 blocks".
+  [[nodiscard]] std::string words() const {
+    if (blocks == groups) return fmt::format("{} {}", blocks, blocks == 1 ? "block" : "blocks");
+    return fmt::format("{} {} of blocks", groups, groups == 1 ? "group" : "groups");
+  }
+};
+
+}  // namespace
+
 void add_moving_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis,
                             std::string_view where, std::vector<std::string>& notes) {
-  std::size_t beyond = 0, doubt = 0;
-  double volume = 0, in_doubt = 0, least = std::numeric_limits<double>::infinity();
+  std::size_t beyond = 0;
+  double volume = 0, least = std::numeric_limits<double>::infinity();
+  Doubts weaker, undecided;
   for (const stability::KeyGroup& group : groups.groups) {
     if (group.verdict == assembly::Verdict::in_doubt) {
-      ++doubt;
-      in_doubt += group.volume.si();
+      (group.weaker ? weaker : undecided).add(group);
       continue;
     }
     const bool known = std::ranges::all_of(group.blocks, [&](topology::BlockId id) {
@@ -106,12 +126,18 @@ void add_moving_group_notes(const stability::KeyGroups& groups, const stability:
                     "safety {:.3g}{}",
                     where, beyond, beyond == 1 ? "group" : "groups", volume, least, see_groups));
   }
-  if (doubt > 0) {
-    notes.push_back(fmt::format("{}{} {} of blocks ({:.4g} m3) could not be decided together: in doubt, not stable{}",
-                                where, doubt, doubt == 1 ? "group" : "groups", in_doubt, see_groups));
+  if (weaker.groups > 0) {
+    notes.push_back(fmt::format(
+        "{}{} ({:.4g} m3) at rest would move with 5 % less strength, half of the cohesion lost as it breaks "
+        "bit by bit: in doubt, not stable{}",
+        where, weaker.words(), weaker.volume.si(), see_groups));
+  }
+  if (undecided.groups > 0) {
+    notes.push_back(fmt::format("{}{} ({:.4g} m3) could not be decided: in doubt, not stable{}", where,
+                                undecided.words(), undecided.volume.si(), see_groups));
   }
   add_unasked_notes(groups, where, notes);
-  if (groups.at_the_edge && beyond + doubt > 0) {
+  if (groups.at_the_edge && beyond + weaker.groups + undecided.groups > 0) {
     notes.push_back(
         fmt::format("{}key groups reach the edge of the box that was cut: what lies beyond was taken to stay, so that "
                     "more may move; [output] blocks = \"all\" takes it in",

@@ -147,6 +147,39 @@ void add_lifted_notes(const Scene& scene, const Realization& made, std::vector<s
   }
 }
 
+/// Cases that change nothing, and earthquakes that push the rock where it is held: what a wrong sign, or a depth in
+/// place of a level, looks like.
+void add_case_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
+  const stability::Analysis& base = *made.analysis;
+  const LoadSet& loads = scene.stability->loads;
+  const auto same = [](const stability::Judgement& a, const stability::Judgement& b) {
+    return a.block == b.block && a.factor_of_safety == b.factor_of_safety && a.driving.si() == b.driving.si();
+  };
+  for (std::size_t k = 0; k < made.load_cases.size(); ++k) {
+    const CaseResult& load = made.load_cases[k];
+    const LoadSet& own = scene.stability->cases[k].loads;
+    if (!base.judgements.empty() && std::ranges::equal(load.analysis.judgements, base.judgements, same)) {
+      const auto& water = own.actions.spec().water;
+      const bool wet = water && (!loads.actions.spec().water || loads.actions.spec().water->level != water->level);
+      notes.push_back(fmt::format(
+          "load case {} changes the factor of safety of no block{}", load.name,
+          wet ? fmt::format(": its water (table = {:g}) reaches no joint of theirs; the table is a level in the "
+                            "coordinates of the scene, not a depth",
+                            water->level)
+              : ""));
+      continue;
+    }
+    if (own.body.seismic() == loads.body.seismic()) continue;
+    const double before = count_key_blocks(base).lowest_factor_of_safety;
+    const double after = count_key_blocks(load.analysis).lowest_factor_of_safety;
+    if (!(after > before)) continue;
+    notes.push_back(
+        fmt::format("load case {}: with its earthquake the lowest factor of safety is {:.4g}, more than {:.4g} in the "
+                    "base case: `seismic` is the direction in which the rock is pushed; check its sign",
+                    load.name, after, before));
+  }
+}
+
 void add_border_notes(const Realization& made, std::vector<std::string>& notes) {
   if (made.domain_held) add_border_note(*made.domain_held, "", notes);
   for (const CaseResult& load : made.load_cases) {
@@ -170,9 +203,10 @@ void add_off_note(const stability::SupportResult& support, std::vector<std::stri
   const auto off =
       std::ranges::count_if(support.bolts, [](const auto& b) { return b.status == stability::BoltStatus::off; });
   if (off == 0) return;
-  notes.push_back(
-      fmt::format("{} of {} bolts {} off the rock, their heads where nothing is left: they hold nothing; see bolts.csv",
-                  off, support.bolts.size(), off == 1 ? "is" : "are"));
+  notes.push_back(fmt::format(
+      "{} of {} bolts {} off the rock: they point away from it, or their heads stand where nothing is left or "
+      "at the very end of the domain; they hold nothing; see bolts.csv",
+      off, support.bolts.size(), off == 1 ? "is" : "are"));
 }
 
 /// Key blocks of a stage that later stages take away, or that nothing in the last state tells of.
@@ -280,6 +314,7 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   add_taper_notes(made, notes);
   add_border_notes(made, notes);
   if (analysis && made.complex) add_lifted_notes(scene, made, notes);
+  if (analysis && made.complex) add_case_notes(scene, made, notes);
   if (made.support) add_anchor_note(*made.support, notes);
   // Beyond what was cut on demand rock is not known.
   if (made.support && !made.window) add_off_note(*made.support, notes);

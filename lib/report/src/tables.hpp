@@ -326,6 +326,12 @@ void motion_fields(V& v, const stability::KeyGroup& g) {
   v("moments", g.moments, "1 when blocks turn: translation alone does not move them");
 }
 
+/// Why a group is in doubt; empty for others.
+[[nodiscard]] constexpr std::string_view doubt_of(const stability::KeyGroup& group) noexcept {
+  if (group.verdict != assembly::Verdict::in_doubt) return {};
+  return group.weaker ? "weaker" : "undecided";
+}
+
 struct KeyGroupRow {
   const stability::KeyGroup& g;
   std::size_t number = 0;
@@ -368,8 +374,10 @@ void fields(V& v, const KeyGroupRow& x) {
     "`factor_move` with moments, of a group that translation alone moves: the lesser of both counts");
   v("factor_of_largest", x.g.factors ? x.g.factor_of_largest : std::nullopt,
     "at which the largest of several blocks starts to move: a crumb beside it may move at less, and gives the group "
-    "its "
-    "factor");
+    "its factor");
+  v("doubt", doubt_of(x.g),
+    "of a group in doubt: `weaker`: at rest, but it would move with 5 % less strength and half of the cohesion, which "
+    "breaks bit by bit; `undecided`: the search did not settle");
 }
 
 /// A group of blocks below its target, and what the support leaves of it.

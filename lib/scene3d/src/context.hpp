@@ -42,8 +42,14 @@ struct ParsedStability {
 struct StatedLoads {
   geometry::Vec3 seismic{0, 0, 0};  ///< force / weight, in the direction the rock is pushed
   std::optional<stability::WaterTable> water = {};
-  std::optional<NumberLaw> water_level = {};             ///< m, where it is drawn; `water` has the median
-  std::vector<std::pair<SetId, double>> pressures = {};  ///< Pa, mean water pressure in the joints of a set
+  std::optional<NumberLaw> water_level = {};  ///< m, where it is drawn; `water` has the median
+  /// Mean water pressure in the joints of a set, in place of the table; `or_table`: the larger of both.
+  struct SetPressure {
+    SetId set;
+    double pa;
+    bool or_table = false;
+  };
+  std::vector<SetPressure> pressures = {};
   std::vector<stability::Surcharge> surcharges = {};
   std::vector<stability::PointForce> points = {};
   std::vector<stability::LineForce> lines = {};

@@ -105,7 +105,7 @@ std::optional<stability::WaterTable> parse_water(const Context& context, const T
         owner.problems().error(entry.line, table.path_of("pressures") + "." + entry.key, "no joint belongs to this set",
                                guess ? fmt::format("did you mean \"{}\"?", *guess) : "remove it, or name a set so");
       } else if (value) {
-        loads.pressures.emplace_back(*set, *value);
+        loads.pressures.push_back({*set, *value});
       }
     }
   }
@@ -154,7 +154,31 @@ void parse_surcharge(const TableReader& table, const std::optional<geometry::Sol
                               .pressure = pascals(pressure.value_or(0))});
 }
 
+/// Of two pressures of a set the larger; where one of both has a table in its place, the larger of pressure and table
+/// on each contact: nowhere less than either presses.
+void add_pressures(StatedLoads& sum, const StatedLoads& part, double factor) {
+  const auto find = [](StatedLoads& loads, SetId set) {
+    return std::ranges::find(loads.pressures, set, &StatedLoads::SetPressure::set);
+  };
+  StatedLoads other = part;
+  for (StatedLoads::SetPressure& entry : sum.pressures) {
+    if (part.water && find(other, entry.set) == other.pressures.end()) entry.or_table = true;
+  }
+  for (StatedLoads::SetPressure entry : part.pressures) {
+    entry.pa *= factor;
+    const auto same = find(sum, entry.set);
+    if (same == sum.pressures.end()) {
+      entry.or_table = entry.or_table || sum.water.has_value();
+      sum.pressures.push_back(entry);
+    } else {
+      same->pa = std::max(same->pa, entry.pa);
+      same->or_table = same->or_table || entry.or_table;
+    }
+  }
+}
+
 void add(StatedLoads& sum, const StatedLoads& part, double factor) {
+  add_pressures(sum, part, factor);
   sum.seismic += factor * part.seismic;
   if (part.water) {
     stability::WaterTable water = *part.water;
@@ -171,14 +195,6 @@ void add(StatedLoads& sum, const StatedLoads& part, double factor) {
       water.level = sum.water->level;
     }
     sum.water = water;
-  }
-  for (const auto& [set, pressure] : part.pressures) {
-    const auto same = std::ranges::find(sum.pressures, set, &std::pair<SetId, double>::first);
-    if (same == sum.pressures.end()) {
-      sum.pressures.emplace_back(set, factor * pressure);
-    } else {
-      same->second = std::max(same->second, factor * pressure);
-    }
   }
   for (stability::Surcharge load : part.surcharges) {
     load.traction = factor * load.traction;
@@ -214,11 +230,13 @@ std::vector<Key> load_set_keys() {
 
 const KeyTable& load_keys() {
   static const KeyTable keys = [] {
-    KeyTable table{.name = "load",
-                   .keys = {{"name", key::text(), required, "of the case"},
-                            {"combine", key::named(key::number(combine_rule)), "",
-                             "`{ NAME = factor }` adds earlier cases times a factor; of two water tables the higher "
-                             "level and the larger unit weight count, of two pressures of a set the larger"}}};
+    KeyTable table{
+        .name = "load",
+        .keys = {{"name", key::text(), required, "of the case"},
+                 {"combine", key::named(key::number(combine_rule)), "",
+                  "`{ NAME = factor }` adds earlier cases times a factor; of two water tables the higher "
+                  "level and the larger unit weight count, of two pressures of a set the larger; where one case has a "
+                  "pressure and another a table, what presses more on each contact"}}};
     for (Key& key : load_set_keys()) table.keys.push_back(std::move(key));
     return table;
   }();
@@ -257,11 +275,18 @@ LoadSet checked(const Context& context, const StatedLoads& loads, geometry::Vec3
   }
   stability::ActionSpec spec{.water = loads.water,
                              .joint_pressure = {},
+                             .or_table = {},
                              .surcharges = loads.surcharges,
                              .points = loads.points,
                              .lines = loads.lines};
-  if (!loads.pressures.empty()) spec.joint_pressure.resize(context.sets.size());
-  for (const auto& [set, pressure] : loads.pressures) spec.joint_pressure[set.index()] = pressure;
+  if (!loads.pressures.empty()) {
+    spec.joint_pressure.resize(context.sets.size());
+    spec.or_table.resize(context.sets.size());
+  }
+  for (const StatedLoads::SetPressure& entry : loads.pressures) {
+    spec.joint_pressure[entry.set.index()] = entry.pa;
+    spec.or_table[entry.set.index()] = entry.or_table ? 1 : 0;
+  }
   if (auto actions = stability::Actions::make(std::move(spec))) {
     out.actions = *std::move(actions);
   } else {
@@ -308,12 +333,16 @@ std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader
       }
       total.water.reset();
       total.water_level.reset();
+      total.pressures.clear();
     }
-    for (const auto& [set, pressure] : loads.pressures) {
-      static_cast<void>(pressure);
-      std::erase_if(total.pressures, [&](const auto& entry) { return entry.first == set; });
+    // Pressures alone leave the table and other sets as they are.
+    for (const StatedLoads::SetPressure& entry : loads.pressures) {
+      std::erase_if(total.pressures, [&](const auto& other) { return other.set == entry.set; });
     }
+    std::vector<StatedLoads::SetPressure> pressures = std::move(total.pressures);
+    pressures.insert(pressures.end(), loads.pressures.begin(), loads.pressures.end());
     add(total, loads, 1);
+    total.pressures = std::move(pressures);
     total.line = table.line();
     cases.push_back({*name, checked(context, total, gravity)});
   }

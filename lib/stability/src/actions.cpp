@@ -63,8 +63,10 @@ Actions Actions::with_water_level(double level) const {
 Actions Actions::with_pressures_of(std::span<const std::size_t> from) const {
   Actions other = *this;
   other.spec_.joint_pressure.clear();
+  other.spec_.or_table.clear();
   for (const std::size_t k : from) {
     other.spec_.joint_pressure.push_back(k < spec_.joint_pressure.size() ? spec_.joint_pressure[k] : std::nullopt);
+    other.spec_.or_table.push_back(k < spec_.or_table.size() ? spec_.or_table[k] : std::uint8_t{0});
   }
   return other;
 }

@@ -62,8 +62,9 @@ assembly::Assembly with_contacts(const assembly::Assembly& assembly, std::vector
 
 class Search final {
  public:
-  Search(const topology::BlockComplex& complex, const Settings& settings, const Together& most)
-      : model_{complex, settings}, doubted_(complex.blocks().size(), 0), most_{most} {
+  Search(const topology::BlockComplex& complex, const Settings& settings, const Together& most,
+         assembly::Ask ask = assembly::Ask::verdicts)
+      : model_{complex, settings}, ask_{ask}, doubted_(complex.blocks().size(), 0), most_{most} {
     Vec3 low, high;
     for (const Vec3 v : complex.vertices()) {
       low = {std::min(low.x, v.x), std::min(low.y, v.y), std::min(low.z, v.z)};
@@ -400,12 +401,10 @@ class Search final {
 
   std::vector<KeyGroup> groups_of(const std::vector<BlockId>& blocks, std::uint32_t batch) {
     const assembly::Assembly whole = assembly_with_ties(blocks, batch);
-    // Of what only the border holds the verdict is all that counts.
-    const assembly::Ask ask = hangs_ ? assembly::Ask::verdicts : assembly::Ask::factors;
     std::array<std::vector<assembly::Group>, 2> found{
-        assembly::find_groups(whole.with(Freedom::translation), ask, most_.threads).groups, {}};
+        assembly::find_groups(whole.with(Freedom::translation), ask_, most_.threads).groups, {}};
     if (blocks.size() <= most_.turning) {
-      found[1] = assembly::find_groups(whole, ask, most_.threads).groups;
+      found[1] = assembly::find_groups(whole, ask_, most_.threads).groups;
     } else {
       out_.without_moments = true;
     }
@@ -428,7 +427,7 @@ class Search final {
     for (const bool moments : {false, true}) {
       if (moments && blocks.size() > most_.turning) continue;
       const assembly::Assembly with = moments ? whole : whole.with(Freedom::translation);
-      add(assembly::find_small_groups(with, open, taken, ask, most_.threads, untied_), false, moments);
+      add(assembly::find_small_groups(with, open, taken, ask_, most_.threads, untied_), false, moments);
     }
     for (const bool moments : {false, true}) add(found[moments ? 1 : 0], true, moments);
     std::ranges::sort(out, {}, [](const KeyGroup& g) { return g.blocks.front(); });
@@ -454,11 +453,13 @@ class Search final {
     out.factor_move = group.moving.factor;
     if (group.turning) out.factor_turning = group.turning->factor;
     out.factor_of_largest = group.heaviest;
+    out.weaker = group.weaker;
     out.factors = group.factors;
     return out;
   }
 
   Model model_;
+  assembly::Ask ask_;
   const Ties* ties_ = nullptr;
   assembly::UntiedSets* untied_ = nullptr;
   std::vector<BlockId> begin_;               ///< empty: all that have something open
@@ -472,8 +473,9 @@ class Search final {
 
 }  // namespace
 
-KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& settings, const Together& most) {
-  return Search{complex, settings, most}.run();
+KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& settings, const Together& most,
+                        assembly::Ask ask) {
+  return Search{complex, settings, most, ask}.run();
 }
 
 KeyGroups first_groups(const topology::BlockComplex& complex, const Settings& settings, const Together& most) {

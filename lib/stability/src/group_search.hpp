@@ -8,8 +8,9 @@
 /// The search for groups of blocks that move together, batch by batch (theory: assembly.md).
 namespace cleave::stability {
 
+/// With `ask` for verdicts alone groups have no factors; so it is in all searches below.
 [[nodiscard]] KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& settings,
-                                      const Together& most);
+                                      const Together& most, assembly::Ask ask);
 
 /// Of the first state alone.
 [[nodiscard]] KeyGroups first_groups(const topology::BlockComplex& complex, const Settings& settings,

@@ -94,7 +94,7 @@ class FactorSearch final {
 }  // namespace
 
 KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings, const Together& most) {
-  return search_groups(complex.complex(), settings, most);
+  return search_groups(complex.complex(), settings, most, assembly::Ask::factors);
 }
 
 std::optional<FactorTogether> factor_together(const topology::AuditedComplex& complex, const Settings& settings,
@@ -104,7 +104,8 @@ std::optional<FactorTogether> factor_together(const topology::AuditedComplex& co
 
 KeyGroups groups_below_target(const topology::AuditedComplex& complex, const Settings& settings,
                               const SupportPlan& plan, const Together& most) {
-  return search_groups(complex.complex(), with_strengths_over(settings, plan.target_sliding), most);
+  return search_groups(complex.complex(), with_strengths_over(settings, plan.target_sliding), most,
+                       assembly::Ask::verdicts);
 }
 
 GroupSupport check_groups(const topology::AuditedComplex& complex, const Settings& settings, const SupportPlan& plan,

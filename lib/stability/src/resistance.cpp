@@ -26,13 +26,6 @@ Pressings of_motion(const Motion& motion) {
   std::unreachable();
 }
 
-/// What cohesion is worth at a face to which something stands at this small angle (sine): nothing at none, all from one
-/// degree on. So nothing jumps where a wall stands exactly along the resultant, or the motion exactly along a wall.
-double ramp(double sine) {
-  constexpr double full = 0.01745240643728351;  // sin 1 degree
-  return std::clamp(sine / full, 0.0, 1.0);
-}
-
 /// Which shares of a group's cohesion count, and of that of faces that do not open.
 struct Shares {
   double counted = 0, touches = 0;
@@ -43,10 +36,10 @@ Shares shares_of(const Contacts& contacts, const Resultant& resultant, const Mot
   const double load = geometry::norm(resultant.newtons()), driving = geometry::norm(motion.s);
   double pressed = 0;
   for (const auto& [presses, reaction] : pressing) {
-    if (presses == group && load > 0) pressed = ramp(reaction / load);
+    if (presses == group && load > 0) pressed = cohesion_share(reaction / load);
   }
   const double opens = geometry::dot(contacts.cone.groups()[group].unit(), motion.s) / driving;
-  const double touches = std::ranges::binary_search(motion.touching, group) ? 1 : 1 - ramp(opens);
+  const double touches = std::ranges::binary_search(motion.touching, group) ? 1 : 1 - cohesion_share(opens);
   return {parallel_contact ? std::max(pressed, touches) : pressed, touches};
 }
 
@@ -96,7 +89,7 @@ class OpeningTension final {
       const double opens = dot(normal, along);
       if (!(opens > 0)) continue;
       straight_ += contact.tension * opens;
-      opening_.push_back({normal, contact.tension, ramp(opens) * contact.cohesion});
+      opening_.push_back({normal, contact.tension, cohesion_share(opens) * contact.cohesion});
     }
   }
 
@@ -181,6 +174,11 @@ class OpeningTension final {
 };
 
 }  // namespace
+
+double cohesion_share(double sine) {
+  constexpr double full = 0.01745240643728351;  // sin 1 degree
+  return std::clamp(sine / full, 0.0, 1.0);
+}
 
 Resistance resistance(const Contacts& contacts, const Resultant& resultant, const Motion& motion,
                       bool parallel_contact) {

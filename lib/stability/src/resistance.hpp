@@ -17,6 +17,10 @@ struct Resistance {
   std::vector<double> strength;                            ///< of `pressing`: friction and cohesion of each
 };
 
+/// What cohesion is worth at a face to which something stands at this small angle (sine): nothing at none, all from one
+/// degree on. So nothing jumps where a wall stands exactly along the resultant, or the motion exactly along a wall.
+[[nodiscard]] double cohesion_share(double sine);
+
 /// Friction and cohesion of the pressing groups, tension of those that open. Cohesion counts in full where the
 /// resultant stands at a degree and more to the plane, in proportion to that angle's sine below. Where three or more
 /// coplanar normals touch, the reactions are not unique: all pairs that carry the force are tried.

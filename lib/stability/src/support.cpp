@@ -98,6 +98,7 @@ class Check final {
     body.resultant.add(from_later.force, from_later.scale);
     body.bare = judge(body.contacts, body.resultant, *settings_);
     body.target = target_of(body.bare.mode, *plan_);
+    lose_cohesion_that_opens(body.contacts, body.bare);
     return body;
   }
 
@@ -154,7 +155,9 @@ class Check final {
         entry.received = norm(received.force);
         Body own = *body;
         own.resultant.add(-received.force, received.scale);
+        own.contacts = model_.contacts_of({&id, 1}, 1);
         own.bare = judge(own.contacts, own.resultant, *settings_);
+        lose_cohesion_that_opens(own.contacts, own.bare);
         own.target = target_of(own.bare.mode, *plan_);
         entry.own_pressure = moves(own.bare.mode) && own.lacks() ? pressure_needed(own, push) : 0;
         entry.passed_on = pascals(entry.required_pressure) > plan_->most_pressure &&

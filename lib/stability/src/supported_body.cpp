@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <limits>
 #include <utility>
 #include <vector>
+
+#include "resistance.hpp"
 
 namespace cleave::stability {
 namespace {
@@ -57,6 +60,15 @@ double valley(double low, double high, Function&& of) {
 }
 
 }  // namespace
+
+void lose_cohesion_that_opens(Contacts& contacts, const Verdict& bare) {
+  if (!moves(bare.mode)) return;
+  for (std::uint32_t group = 0; group < contacts.groups.size(); ++group) {
+    const auto presses = [&](const auto& pair) { return pair.first == group; };
+    if (std::ranges::any_of(bare.resistance.pressing, presses)) continue;
+    contacts.groups[group].cohesion *= 1 - cohesion_share(dot(contacts.cone.groups()[group].unit(), bare.direction));
+  }
+}
 
 double target_of(Mode mode, const SupportPlan& plan) {
   return mode == Mode::falling || mode == Mode::lifting ? plan.target_falling : plan.target_sliding;

@@ -19,6 +19,10 @@ struct Body {
   [[nodiscard]] bool lacks() const { return lack() > 0x1p-40 * bare.driving; }
 };
 
+/// Faces that a body opens as it moves without support (`bare`) have parted before support holds it: what presses them
+/// shut again does not bring back their cohesion.
+void lose_cohesion_that_opens(Contacts& contacts, const Verdict& bare);
+
 [[nodiscard]] double target_of(Mode mode, const SupportPlan& plan);
 
 /// What support can do for a body.

@@ -15,10 +15,16 @@ using topology::BlockId;
 using topology::Face;
 using topology::Patch;
 
-std::optional<double> stated(const Actions& actions, const Patch& patch) {
-  const auto& by_joint = actions.spec().joint_pressure;
-  if (!patch.joint || patch.joint->index() >= by_joint.size()) return std::nullopt;
-  return by_joint[patch.joint->index()];
+struct Stated {
+  double mean;
+  bool or_table;
+};
+std::optional<Stated> stated(const Actions& actions, const Patch& patch) {
+  const ActionSpec& spec = actions.spec();
+  if (!patch.joint || patch.joint->index() >= spec.joint_pressure.size()) return std::nullopt;
+  const std::size_t joint = patch.joint->index();
+  if (!spec.joint_pressure[joint]) return std::nullopt;
+  return Stated{*spec.joint_pressure[joint], joint < spec.or_table.size() && spec.or_table[joint] != 0};
 }
 
 Moments over_face(const BlockComplex& complex, const Face& face, const LinearPressure& pressure) {
@@ -36,6 +42,15 @@ Moments over_contact(const BlockComplex& complex, const Face& face, BlockId neig
   for_each_shared(complex, face, neighbour,
                   [&](const Convex& part, double sign) { sum += sign * integrate(part, pressure); });
   return sum;
+}
+
+/// N on a patch; patches of one contact with joints of their own share it by area.
+double over_patch(const BlockComplex& complex, const Face& face, const Patch& patch, const LinearPressure& pressure) {
+  double all = 0;
+  for (const Patch& other : complex.patches(face)) {
+    if (other.neighbour == patch.neighbour) all += other.area.si();
+  }
+  return all > 0 ? patch.area.si() / all * over_contact(complex, face, *patch.neighbour, pressure).total : 0;
 }
 
 }  // namespace
@@ -68,8 +83,11 @@ ForceSum water_forces(const BlockComplex& complex, const Actions& actions, Vec3 
         if (table && spec.water->on_free_faces) hydrostatic.push_back(&patch);
         continue;
       }
-      if (const auto p = stated(actions, patch)) {
-        push(face, {*p * patch.area.si(), *p * patch.area.si() * patch.centroid});
+      const auto p = stated(actions, patch);
+      const bool table_presses_more =
+          p && p->or_table && table && over_patch(complex, face, patch, *table) > p->mean * patch.area.si();
+      if (p && !table_presses_more) {
+        push(face, {p->mean * patch.area.si(), p->mean * patch.area.si() * patch.centroid});
       } else if (table) {
         hydrostatic.push_back(&patch);
       }

@@ -59,6 +59,8 @@ const std::vector<Quantity>& quantities() {
       {"joint_count", [](const Record& r) { return number(r.joints); }, false, false, false},
       by_case({"support_blocks_needing", [](const Record& r) { return r.support ? number(r.support->needing) : 0; },
                true, false, false, true}),
+      by_case({"support_needed", [](const Record& r) { return r.support && r.support->needing > 0 ? 1.0 : 0.0; }, true,
+               false, false, true, true}),
       by_case({"support_blocks_not_held", [](const Record& r) { return r.support ? number(r.support->not_held) : 0; },
                true, false, true, true}),
       by_case({"support_not_held_m3", [](const Record& r) { return r.support ? r.support->not_held_m3 : 0; }, true,

@@ -155,6 +155,8 @@ struct Group {
   /// At which the heaviest of several bodies starts to move, of both the lesser: that of the group or more, then to
   /// 1e-3. A crumb beside it may move at less.
   std::optional<double> heaviest = {};
+  /// In doubt as it rests, but would move with a little less strength, or where cohesion breaks bit by bit.
+  bool weaker = false;
   bool factors = true;  ///< false: not asked for, or the group is too large, and they say no more than the verdict
 };
 struct Groups {

@@ -426,6 +426,14 @@ void fields(V& v, const SupportCaseFigures& x) {
   v("groups_judged", one_of(x.figures.groups_judged));
   v("blocks", x.figures.blocks);
   v("not_held", x.figures.not_held);
+  v("required_force_n", or_null(x.figures.required_force_n), "as without load");
+  v("required_force_reason", when(!std::isfinite(x.figures.required_force_n), "no single force is enough for a block"));
+  v("missing_force_n", or_null(x.figures.missing_force_n), "null: no force is enough");
+  v("missing_force_reason",
+    when(!std::isfinite(x.figures.missing_force_n), "no force is enough for a block that is not held"));
+  v("largest_required_pressure_pa", or_null(x.figures.largest_required_pressure_pa), "as without load");
+  v("largest_required_pressure_reason",
+    when(!std::isfinite(x.figures.largest_required_pressure_pa), "no pressure is enough at the neediest place"));
   v("combined_blocks", x.figures.combined);
   v("combined_failing", x.figures.combined_failing);
   supported_groups_field(v, x.figures.groups);

@@ -63,6 +63,8 @@ struct ActionSpec {
   std::optional<WaterTable> water = {};
   /// Mean water pressure (Pa) in a joint, in place of the table there; by joint number, shorter lists end with none.
   std::vector<std::optional<double>> joint_pressure = {};
+  /// By joint number, shorter lists end with 0: 1 where the table counts, too, on contacts where it presses more.
+  std::vector<std::uint8_t> or_table = {};
   std::vector<Surcharge> surcharges = {};
   std::vector<PointForce> points = {};
   std::vector<LineForce> lines = {};

@@ -40,6 +40,9 @@ struct KeyGroup {
   /// At which its largest block starts to move, of both the lesser: where that is more, to 0.1 %. Empty: the group has
   /// one block, or is too large.
   std::optional<double> factor_of_largest = {};
+  /// In doubt as it rests, but would move with 5 % less strength, or where cohesion breaks bit by bit; false: what was
+  /// not decided.
+  bool weaker = false;
   bool factors = true;  ///< false: too large a group for factors
 };
 
