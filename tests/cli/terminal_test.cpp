@@ -165,9 +165,11 @@ TEST(TerminalTest, SupportThatDoesNotPassEverywhere) {
   EXPECT_EQ(line(true, {}, {}), "support      passes block by block, GROUPS OF BLOCKS NOT JUDGED");
   // What a load asks for may be more than what the base case does.
   r.figures.support_cases = {
-      {"quake", {.blocks = 3, .not_held = 1, .required_force_n = 6.315e6, .missing_force_n = 1e3}}};
-  EXPECT_TRUE(
-      holds(figures_of(r), "\n  under quake: 3 blocks, 1 not held; required by these blocks 6315 kN, missing 1 kN\n"))
+      {"quake",
+       {.targets = {.sliding = 1.1}, .blocks = 3, .not_held = 1, .required_force_n = 6.315e6, .missing_force_n = 1e3}}};
+  EXPECT_TRUE(holds(figures_of(r),
+                    "\n  under quake: 3 blocks below their target (1.5, 1.1), 1 not held; required by these blocks "
+                    "6315 kN, missing 1 kN\n"))
       << figures_of(r);
   EXPECT_EQ(line(false, {}, {}), "support      DOES NOT PASS");
 }

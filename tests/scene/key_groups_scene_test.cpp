@@ -693,6 +693,23 @@ TEST(KeyGroupsScene, SupportIsAskedToHoldThemInEachLoadCase) {
   EXPECT_EQ(notes_with(result, "load case calm:"), 0U);
 }
 
+// Their factor is 2.09: under a load that asks for 2.2 the support has to hold them, and a search takes a tighter
+// pattern.
+TEST(KeyGroupsScene, TargetsOfALoadCaseAreAskedOfGroups) {
+  const RunResult result = run_of(active_and_passive(45) +
+                                  "[[load]]\nname = \"strict\"\ntarget = { sliding = 2.2 }\n"
+                                  "[support]\nshotcrete = { thickness = 0.1, strength = 1e5 }\n");
+  EXPECT_EQ(result.figures.support->groups->count, 0U);
+  EXPECT_EQ(result.figures.support_cases.at(0).figures.groups->not_held, 1U);
+  const std::string design = "[support.design]\nlengths = [8]\nscale = [0.5, 4]\nphases = 1\noffsets = 1\n";
+  const RunResult plain = run_of(cabled_slab(1, 0, "", design));
+  const RunResult strict =
+      run_of(cabled_slab(1, 0, "", design + "[[load]]\nname = \"strict\"\ntarget = { sliding = 1.6 }\n"));
+  ASSERT_TRUE(plain.designs.at(0).found && strict.designs.at(0).found);
+  EXPECT_LT(strict.designs[0].scale, plain.designs[0].scale);
+  EXPECT_TRUE(strict.designs[0].groups->all_held());
+}
+
 // The two stand below their target after the first stage; what moves after the last is not asked of the first again.
 TEST(KeyGroupsScene, SupportIsAskedToHoldThemAfterEachStage) {
   const std::string pit =

@@ -301,5 +301,45 @@ free = ["top", "east", "west", "north", "south"]
   EXPECT_EQ(notes_with(run_with("water = { table = 3 }"), sign), 0U);
 }
 
+// A slab on 20 degrees with 30 of friction: 1.586. What a case does not state is that of [stability].
+TEST(LoadsScene, ACaseMayHaveTargetsOfItsOwn) {
+  const std::string slab = R"([domain]
+box = { min = [0, 0, 0], max = [8, 8, 6] }
+[[joint]]
+plane = { through = [4, 4, 3], dip = 20, dip_direction = 90 }
+[joints.default]
+friction = 30
+[stability]
+free = ["top", "east", "west", "north", "south"]
+target = { falling = 2, sliding = 1.3 }
+[[load]]
+name = "strict"
+target = { sliding = 1.7 }
+[[load]]
+name = "short"
+target = { falling = 1.2, sliding = 1.1 }
+[[load]]
+name = "plain"
+[support]
+shotcrete = { thickness = 0.1, strength = 1e5 }
+)";
+  const Figures figures = run_of(slab).figures;
+  EXPECT_EQ(figures.key_blocks->below_target, 0U);
+  EXPECT_EQ(figures.support->blocks, 0U);
+  const std::array<Targets, 3> targets{{{2, 1.7}, {1.2, 1.1}, {2, 1.3}}};
+  ASSERT_EQ(figures.load_cases.size(), targets.size());
+  ASSERT_EQ(figures.support_cases.size(), targets.size());
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    SCOPED_TRACE(figures.load_cases[k].name);
+    EXPECT_EQ(figures.load_cases[k].figures.below_target, k == 0 ? 1U : 0U);
+    EXPECT_EQ(figures.support_cases[k].figures.blocks, k == 0 ? 1U : 0U);
+    EXPECT_EQ(figures.support_cases[k].figures.targets.falling, targets[k].falling);
+    EXPECT_EQ(figures.support_cases[k].figures.targets.sliding, targets[k].sliding);
+  }
+  EXPECT_EQ(notes_with(run_of(slab + "[[load]]\nname = \"none\"\ntarget = { sliding = 0.9 }\n"),
+                       "asks for a factor of safety below 1"),
+            1U);
+}
+
 }  // namespace
 }  // namespace cleave::scene::test::loads_scene_test

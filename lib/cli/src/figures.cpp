@@ -102,8 +102,8 @@ std::string support_lines(const scene::SupportFigures& support, const std::vecto
                          group([&](auto& v) { scene::support_fields(v, support, {}, designs, {}); }));
   for (const scene::SupportCaseFigures& load : cases) {
     text +=
-        say("  under {name}: {blocks} blocks, {not_held} not held; required by these blocks {required_force_n}, "
-            "missing {missing_force_n}\n",
+        say("  under {name}: {blocks} blocks below their target ({target_falling:g}, {target_sliding:g}), {not_held} "
+            "not held; required by these blocks {required_force_n}, missing {missing_force_n}\n",
             load);
   }
   if (support.groups && support.groups->count > 0) {

@@ -250,6 +250,13 @@ std::optional<KeyGroupFigures> base_groups(const RunResult& result) {
   return figures;
 }
 
+/// Of [stability], or of the load itself.
+std::optional<Targets> target_under(const RunResult& result, std::string_view load) {
+  if (!result.stability) return std::nullopt;
+  const auto found = std::ranges::find(result.stability->cases, load, &LoadCase::name);
+  return found != result.stability->cases.end() && found->target ? found->target : result.stability->target;
+}
+
 std::optional<std::string> governing_case(const Figures& figures) {
   if (figures.load_cases.empty() || !figures.key_blocks) return std::nullopt;
   std::string out = "base";
@@ -307,7 +314,8 @@ Figures count(const RunResult& result) {
   if (figures.key_blocks && result.domain_held) figures.key_blocks->domain_held = count_held(*result.domain_held);
   figures.groups = base_groups(result);
   for (const CaseResult& load : result.load_cases) {
-    CaseFigures& row = figures.load_cases.emplace_back(load.name, count_key_blocks(load.analysis, target));
+    CaseFigures& row =
+        figures.load_cases.emplace_back(load.name, count_key_blocks(load.analysis, target_under(result, load.name)));
     if (load.domain_held) row.figures.domain_held = count_held(*load.domain_held);
     if (!load.groups) continue;
     row.groups = count_key_groups(*load.groups);
@@ -326,6 +334,7 @@ Figures count(const RunResult& result) {
   if (figures.support) add_groups(*figures.support, result.group_support);
   for (const CaseSupport& load : result.support_cases) {
     figures.support_cases.push_back({load.name, count_support(result, load.support)});
+    figures.support_cases.back().figures.targets = target_under(result, load.name).value_or(Targets{});
     add_groups(figures.support_cases.back().figures, load.groups);
   }
   if (figures.support && result.sequence) {

@@ -8,6 +8,13 @@
 namespace cleave::scene {
 namespace {
 
+/// Blocks at the edge of what was cut must be known to stay at all targets.
+double largest_target(const StabilitySettings& wanted) {
+  double out = wanted.target ? std::max(1.0, wanted.target->sliding) : 1.0;
+  for (const LoadCase& load : wanted.cases) out = std::max(out, load.target ? load.target->sliding : 1.0);
+  return out;
+}
+
 stability::Actions actions_of(const SampledScene& drawn, const LoadSet& loads) {
   stability::Actions actions = loads.actions;
   if (loads.water_level) actions = actions.with_water_level(loads.water_level->quantile(drawn.water_quantile));
@@ -29,7 +36,7 @@ stability::Settings settings_of(const Scene& scene, const SampledScene& drawn, c
                                .loads = loads.body.with_seismic_times(drawn.seismic_factor),
                                .partial = wanted.partial,
                                .only_key_blocks = scene.output.only_key_blocks,
-                               .least_factor = wanted.target ? std::max(1.0, wanted.target->sliding) : 1.0,
+                               .least_factor = largest_target(wanted),
                                .actions = actions_of(drawn, loads)};
   hand_over(wanted, settings);
   return settings;

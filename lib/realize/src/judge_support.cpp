@@ -82,10 +82,14 @@ enum class GroupsHeld : std::uint8_t {
 /// What a search asks of a plan under one load case.
 class PlanCheck {
  public:
-  /// `groups`: whether blocks are judged together too.
+  /// `plan` has the targets. `groups`: whether blocks are judged together too.
   PlanCheck(const topology::AuditedComplex& complex, stability::Settings settings, const stability::Analysis& analysis,
             const stability::SupportPlan& plan, std::optional<stability::Together> groups)
-      : complex_{&complex}, settings_{std::move(settings)}, analysis_{&analysis} {
+      : complex_{&complex},
+        settings_{std::move(settings)},
+        analysis_{&analysis},
+        target_falling_{plan.target_falling},
+        target_sliding_{plan.target_sliding} {
     if (!groups) return;
     stability::KeyGroups below = stability::groups_below_target(complex, settings_, plan, *groups);
     if (below.too_many || below.groups.empty()) return;
@@ -96,20 +100,28 @@ class PlanCheck {
   [[nodiscard]] const std::vector<topology::BlockId>& undecided() const noexcept { return undecided_; }
 
   stability::SupportResult operator()(const stability::SupportPlan& plan) {
-    stability::SupportResult result = check_support(*complex_, settings_, *analysis_, plan);
+    stability::SupportResult result = check_support(*complex_, settings_, *analysis_, at_target(plan));
     undecided_.insert(undecided_.end(), result.undecided.begin(), result.undecided.end());
     return result;
   }
   /// Where `has_groups`.
   [[nodiscard]] stability::GroupSupport groups(const stability::SupportPlan& plan,
                                                const stability::SupportResult& result) const {
-    return check_groups(*complex_, settings_, plan, result, *below_, *untied_, together_);
+    return check_groups(*complex_, settings_, at_target(plan), result, *below_, *untied_, together_);
   }
 
  private:
+  /// The targets are those of the load case.
+  [[nodiscard]] stability::SupportPlan at_target(stability::SupportPlan plan) const {
+    plan.target_falling = target_falling_;
+    plan.target_sliding = target_sliding_;
+    return plan;
+  }
+
   const topology::AuditedComplex* complex_;
   stability::Settings settings_;
   const stability::Analysis* analysis_;
+  double target_falling_, target_sliding_;
   std::optional<stability::KeyGroups> below_;
   std::unique_ptr<assembly::UntiedSets> untied_ = std::make_unique<assembly::UntiedSets>();
   stability::Together together_;
@@ -330,6 +342,13 @@ stability::Together together(const Scene& scene, unsigned threads) {
   return out;
 }
 
+stability::SupportPlan plan_under(const LoadCase& load, stability::SupportPlan plan) {
+  if (!load.target) return plan;
+  plan.target_falling = load.target->falling;
+  plan.target_sliding = load.target->sliding;
+  return plan;
+}
+
 void forget_cases_and_support(Realization& made) {
   made.load_cases.clear();
   made.support.reset();
@@ -391,7 +410,7 @@ void judge_support(const Scene& scene, const topology::AuditedComplex& complex, 
     const LoadCase& load = scene.stability->cases[k];
     made.support_cases.push_back(
         {load.name, check_support(complex, settings_on(complex.complex(), scene, made, load.loads),
-                                  made.load_cases[k].analysis, plan)});
+                                  made.load_cases[k].analysis, plan_under(load, plan))});
     note(made.support_cases.back().support.undecided, made);
   }
   if (!support.design || detail == Detail::counted || !made.undecided.empty()) return;
@@ -400,9 +419,9 @@ void judge_support(const Scene& scene, const topology::AuditedComplex& complex, 
   std::vector<PlanCheck> checks;
   checks.emplace_back(complex, settings, analysis, support.plan, asked);
   for (std::size_t k = 0; k < made.load_cases.size(); ++k) {
-    const LoadSet& loads = scene.stability->cases[k].loads;
-    checks.emplace_back(complex, settings_on(complex.complex(), scene, made, loads), made.load_cases[k].analysis,
-                        support.plan, asked);
+    const LoadCase& load = scene.stability->cases[k];
+    checks.emplace_back(complex, settings_on(complex.complex(), scene, made, load.loads), made.load_cases[k].analysis,
+                        plan_under(load, support.plan), asked);
   }
   for (const double length : support.design->lengths) {
     made.designs.push_back(DesignSearch{support, length, scene.seed, checks}.run());

@@ -335,22 +335,23 @@ void Realizer::support_of_groups() {
   for (CaseSupport& load : made_.support_cases) load.groups.reset();
   if (!made_.key_groups || made_.key_groups->too_many) return;
   const topology::BlockComplex& complex = made_.complex->complex();
-  made_.group_support = groups_with_support(settings(complex), *made_.support, "");
+  made_.group_support = groups_with_support(settings(complex), scene_->support->plan, *made_.support, "");
   if (made_.group_support) mark_bolts_of_groups(*made_.group_support, *made_.support);
   for (std::size_t k = 0; k < made_.support_cases.size(); ++k) {
     CaseSupport& load = made_.support_cases[k];
-    const auto& loads = scene_->stability->cases[k].loads;
-    load.groups = groups_with_support(of_detail(settings_on(complex, *scene_, made_, loads)), load.support,
-                                      "load case " + load.name + ": ");
+    const LoadCase& stated = scene_->stability->cases[k];
+    load.groups =
+        groups_with_support(of_detail(settings_on(complex, *scene_, made_, stated.loads)),
+                            plan_under(stated, scene_->support->plan), load.support, "load case " + load.name + ": ");
     if (load.groups) mark_bolts_of_groups(*load.groups, load.support);
   }
 }
 
 std::optional<stability::GroupSupport> Realizer::groups_with_support(const stability::Settings& settings,
+                                                                     const stability::SupportPlan& plan,
                                                                      const stability::SupportResult& support,
                                                                      std::string_view where) {
-  auto found = stability::check_groups(*made_.complex, settings, scene_->support->plan, support,
-                                       together(*scene_, options_.threads));
+  auto found = stability::check_groups(*made_.complex, settings, plan, support, together(*scene_, options_.threads));
   if (!found.too_many()) return found;
   group_notes_.push_back(too_many_with_support(where));
   return std::nullopt;

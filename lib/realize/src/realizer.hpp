@@ -57,6 +57,7 @@ class Realizer final {
   void support_of_groups();
   /// Of the base case or a load case; empty, and noted, where more blocks than are judged together are near free faces.
   [[nodiscard]] std::optional<stability::GroupSupport> groups_with_support(const stability::Settings& settings,
+                                                                           const stability::SupportPlan& plan,
                                                                            const stability::SupportResult& support,
                                                                            std::string_view where);
   [[nodiscard]] Done clamp();

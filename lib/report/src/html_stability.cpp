@@ -167,6 +167,10 @@ std::string support_section(const Page& page) {
                        {"passes"},
                        {"blocks", "Blocks that need support"},
                        {"not_held"},
+                       {"target_falling", "Target (falling)"},
+                       {"target_sliding", "Target (sliding)"},
+                       {"required_force_n", "Required (kN)"},
+                       {"missing_force_n", "Missing (kN)"},
                        {"combined_blocks", "Stitched bodies"},
                        {"combined_failing", "Of them failing"}},
                       scene::SupportCaseFigures{}, page.figures().support_cases, "id=\"support-cases\"") +

@@ -64,7 +64,8 @@ struct StatedLoads {
 [[nodiscard]] std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader& root,
                                                      const std::optional<geometry::Solid>& domain,
                                                      const std::vector<Excavation>& excavations,
-                                                     const StatedLoads& base, geometry::Vec3 gravity);
+                                                     const StatedLoads& base, const std::optional<Targets>& target,
+                                                     geometry::Vec3 gravity);
 [[nodiscard]] std::optional<SupportSettings> parse_support(const TableReader& root,
                                                            const std::vector<Excavation>& excavations,
                                                            const std::optional<StabilitySettings>& stability);

@@ -211,6 +211,29 @@ void add(StatedLoads& sum, const StatedLoads& part, double factor) {
   }
 }
 
+const KeyTable& case_target_keys() {
+  static const KeyTable keys{.name = "load_target",
+                             .keys = {{"falling", key::number(rule::factor), "", "also of lifting"},
+                                      {"sliding", key::number(rule::factor), "", "also of wedges"}}};
+  return keys;
+}
+
+/// What it does not state is that of [stability].
+std::optional<Targets> parse_case_target(const TableReader& load, const std::optional<Targets>& base) {
+  const auto table = load.sub("target");
+  if (!table) return std::nullopt;
+  Targets out = base.value_or(Targets{});
+  const auto take = [&](std::string_view key, double& factor) {
+    const auto stated = table->number(key);
+    if (!stated) return;
+    factor = *stated;
+    if (factor < 1) table->note(key, "asks for a factor of safety below 1", "what moves would meet it");
+  };
+  take("falling", out.falling);
+  take("sliding", out.sliding);
+  return out;
+}
+
 }  // namespace
 
 std::vector<Key> load_set_keys() {
@@ -238,6 +261,9 @@ const KeyTable& load_keys() {
                   "level and the larger unit weight count, of two pressures of a set the larger; where one case has a "
                   "pressure and another a table, what presses more on each contact"}}};
     for (Key& key : load_set_keys()) table.keys.push_back(std::move(key));
+    table.keys.push_back({"target", key::table(&case_target_keys), "",
+                          "`{ falling = 1.2, sliding = 1.1 }`: required factors of safety under this load, say of an "
+                          "earthquake; what is left out is that of `[stability]`"});
     return table;
   }();
   return keys;
@@ -298,7 +324,7 @@ LoadSet checked(const Context& context, const StatedLoads& loads, geometry::Vec3
 std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader& root,
                                        const std::optional<geometry::Solid>& domain,
                                        const std::vector<Excavation>& excavations, const StatedLoads& base,
-                                       geometry::Vec3 gravity) {
+                                       const std::optional<Targets>& target, geometry::Vec3 gravity) {
   std::vector<LoadCase> cases;
   std::vector<StatedLoads> own;
   for (const TableReader& table : root.each("load")) {
@@ -344,7 +370,7 @@ std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader
     add(total, loads, 1);
     total.pressures = std::move(pressures);
     total.line = table.line();
-    cases.push_back({*name, checked(context, total, gravity)});
+    cases.push_back({*name, checked(context, total, gravity), parse_case_target(table, target)});
   }
   return cases;
 }

@@ -285,7 +285,7 @@ ParsedStability parse_stability(const Context& context, const TableReader& root,
     settings.parallel_contact = table.flag("cohesion_on_parallel_faces");
     settings.group_friction = table.word<stability::GroupFriction>("group_friction");
   }
-  settings.cases = parse_load_cases(context, root, domain, excavations, loads, gravity);
+  settings.cases = parse_load_cases(context, root, domain, excavations, loads, settings.target, gravity);
   // Without anything free no block can move, so there is nothing to judge, [stability] or not.
   if (!excavations.empty() || !result.free_domain_tags.empty()) result.settings = settings;
   return result;

@@ -426,6 +426,8 @@ void fields(V& v, const SupportCaseFigures& x) {
   v("groups_judged", one_of(x.figures.groups_judged));
   v("blocks", x.figures.blocks);
   v("not_held", x.figures.not_held);
+  v("target_falling", x.figures.targets.falling, "required factors of safety under this load");
+  v("target_sliding", x.figures.targets.sliding);
   v("required_force_n", or_null(x.figures.required_force_n), "as without load");
   v("required_force_reason", when(!std::isfinite(x.figures.required_force_n), "no single force is enough for a block"));
   v("missing_force_n", or_null(x.figures.missing_force_n), "null: no force is enough");

@@ -139,15 +139,16 @@ struct LoadSet {
 };
 
 /// A [[load]]: the loads of [stability] and its own, judged apart.
-struct LoadCase {
-  std::string name;
-  LoadSet loads;
-};
-
 /// Required factors of safety.
 struct Targets {
   double falling = 1.5;  ///< also of lifting
   double sliding = 1.3;  ///< also of wedges
+};
+
+struct LoadCase {
+  std::string name;
+  LoadSet loads;
+  std::optional<Targets> target = {};  ///< empty: that of [stability]
 };
 
 /// Largest key blocks of block theory (maximum_blocks of [stability]).
