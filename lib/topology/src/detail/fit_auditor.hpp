@@ -27,7 +27,8 @@ class FitAuditor final {
   explicit FitAuditor(const BlockComplex& complex)
       : complex_{complex},
         side_{complex.report().lattice_pitch_m * 0x1p48},
-        tolerance_{std::max(side_ * 0x1p-40, 4 * complex.report().bend_m)},  // positions are good to that
+        // Positions are good to the first; where polygons share edges, their bend adds to that.
+        tolerance_{side_ * 0x1p-40 + 4 * complex.report().bend_m},
         exactly_{complex, tolerance_} {
     normals_.reserve(complex.planes().size());
     for (const exact::Plane& plane : complex.planes()) {
