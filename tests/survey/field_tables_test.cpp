@@ -185,10 +185,31 @@ TEST(FieldTables, TablesOfShapeMetriX) {
   expect_plane(rows[0].normal, 60, 120);
   EXPECT_EQ(rows[1].set, "2");
   const auto notes = notes_of(poles, table);
-  ASSERT_EQ(notes.size(), 2U);
+  ASSERT_EQ(notes.size(), 3U);
   EXPECT_TRUE(notes[0].contains("3.5 degrees, which are not added")) << notes[0];
   EXPECT_TRUE(notes[1].contains("what follows the joints is not read")) << notes[1];
+  EXPECT_TRUE(
+      notes[2].contains("not read: \"X (Easting)\", \"Y (Northing)\", \"Z (Elevation)\", \"Persistence (m)\", "
+                        "\"Colour\""))
+      << notes[2];
   EXPECT_TRUE(error_of(poles, "Units,furlong\nDip,Dip Direction\n1,2\n").contains("units: are \"furlong\""));
+}
+
+// A trace length or a spacing beside orientations alone counts for nothing: that is said, and where it would count.
+TEST(FieldTables, ColumnsThatAreNotReadAreSaid) {
+  const auto said = notes_of(poles, "ID,Dip,Dip Direction,Set,Trace Length,Spacing (m)\n1,55,40,J1,8.2,3.5\n");
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_TRUE(said[0].contains("not read: \"ID\", \"Trace Length\", \"Spacing (m)\"")) << said[0];
+  EXPECT_TRUE(said[0].contains("[[scanline]]")) << said[0];
+  const auto plain = notes_of(poles, "ID,Dip,Dip Direction,Quantity\n1,55,40,2\n");
+  ASSERT_EQ(plain.size(), 1U);
+  EXPECT_FALSE(plain[0].contains("[[scanline]]")) << plain[0];
+  EXPECT_TRUE(notes_of(poles, "Dip,Dip Direction,Set,Quantity\n55,40,J1,2\n").empty());
+  const std::string line = "[[scanline]]\nfile = \"t.csv\"\ntrend = 90\nplunge = 0\nlength = 60\n";
+  EXPECT_TRUE(notes_of(line, "Distance,Dip,Dip Direction,Set,Persistence,Ends\n5,55,40,J1,2,1\n").empty());
+  const auto spaced = notes_of(line, "Distance,Spacing\n5,0.2\n");
+  ASSERT_EQ(spaced.size(), 1U);
+  EXPECT_TRUE(spaced[0].contains("not read: \"Spacing\"; spacings follow from the distances")) << spaced[0];
 }
 
 // What is read ends up in the file of sets that a scene includes: nothing may break out of its comments and texts.

@@ -25,7 +25,7 @@ std::string interval(std::string_view text, survey::Estimate estimate) {
 
 std::string set_line(const survey::SetResult& set, double confidence) {
   const auto figures = group([&](auto& v) { survey::set_fields(v, set, confidence); });
-  std::string text = say("set {name:<10} {joints} joints, {traces} traces", figures);
+  std::string text = say("set {name:<10} {joints} joints, {traces} traces in windows", figures);
   if (set.joints > 0 || set.orientation_stated) {
     text += say(", {dip:.1f}/{dip_direction:05.1f}, kappa {kappa:.3g}", figures);
   }

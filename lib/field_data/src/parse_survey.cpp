@@ -152,6 +152,10 @@ class SurveyParser final {
       context_.problems.error_in(file->shown, 1, "columns", "lacks the column distance", "give metres along the line");
       return;
     }
+    note_unread_columns(context_, *file, *data,
+                        {"distance", "length", "ends", "dip", "dip_direction", "strike", "trend", "plunge", "alpha",
+                         "beta", "set", "quantity"},
+                        "spacings follow from the distances");
     const bool core = has_core_angles(*data), oriented = core || has_orientation(*data);
     const bool lengths = data->column("length").has_value();
     if (table.has("reference") && !core) {

@@ -76,6 +76,7 @@ string_view unit_of(string_view column) {
 bool add_column(SurveyTable& table, string_view cell) {
   const ColumnHead head = column_head(cell);
   table.columns.push_back(canonical(head.name));
+  table.heads.emplace_back(cell);
   const string_view own = unit_of(table.columns.back());
   const std::string stated = lower(head.unit);
   // "X (Easting)" says which way the axis goes, no unit.
@@ -233,6 +234,21 @@ std::optional<SurveyTable> read_survey_table(InputContext& context, const Loaded
     return std::nullopt;
   }
   return table;
+}
+
+void note_unread_columns(InputContext& context, const LoadedFile& file, const SurveyTable& table,
+                         std::initializer_list<string_view> read, string_view remedy) {
+  std::string names;
+  bool measures = false;
+  for (std::size_t k = 0; k < table.columns.size(); ++k) {
+    if (std::ranges::find(read, table.columns[k]) != read.end() || table.heads[k].empty()) continue;
+    names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", table.heads[k].substr(0, 40));
+    measures = measures || table.columns[k] == "length" || table.columns[k] == "ends" ||
+               table.columns[k].starts_with("spacing");
+  }
+  if (names.empty()) return;
+  context.problems.note_in(file.shown, 1, "columns", "not read: " + names,
+                           measures ? std::string{remedy} : std::string{});
 }
 
 std::optional<double> plain_number(const SurveyTable& table, const SurveyTable::Row& row, string_view name) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,6 +20,7 @@ struct SurveyTable {
     std::vector<std::string> cells;
   };
   std::vector<std::string> columns;  ///< lower case, aliases replaced, without units
+  std::vector<std::string> heads;    ///< as they are written
   std::vector<const Unit*> units;    ///< behind each name in brackets; null: in that of the column
   std::vector<Row> rows;
 
@@ -29,6 +31,10 @@ struct SurveyTable {
 [[nodiscard]] std::optional<SurveyTable> read_survey_table(InputContext& context, const LoadedFile& file,
                                                            const std::vector<std::string>& columns,
                                                            bool may_be_empty = false);
+
+/// Notes the columns that are none of `read`; `remedy`: where trace lengths or spacings are among them.
+void note_unread_columns(InputContext& context, const LoadedFile& file, const SurveyTable& table,
+                         std::initializer_list<std::string_view> read, std::string_view remedy);
 
 /// A number of a cell; nothing when the cell is empty; reported when it is no number.
 [[nodiscard]] std::optional<double> cell_number(InputContext& context, const LoadedFile& file, const SurveyTable& table,

@@ -440,7 +440,7 @@ class Analysis final {
             traces, name_of(set.size->family), sizes, std::max(traces / sizes, sizes / traces)));
       }
     }
-    if (!set.p32) set.notes.emplace_back("no line and no window: the intensity is not known");
+    if (!set.p32) set.notes.emplace_back("no [[scanline]], [[borehole]] or [[window]]: the intensity is not known");
   }
 
   void whole() {
