@@ -27,8 +27,9 @@ class FitAuditor final {
   explicit FitAuditor(const BlockComplex& complex)
       : complex_{complex},
         side_{complex.report().lattice_pitch_m * 0x1p48},
-        // Positions are good to the first; where polygons share edges, their bend adds to that.
-        tolerance_{side_ * 0x1p-40 + 4 * complex.report().bend_m},
+        // Positions are good to the first. Where polygons share edges their bend adds to that: at a corner of planes
+        // that meet at a small angle it counts over the angle's sine, as for what the assembler takes to be straight.
+        tolerance_{side_ * 0x1p-40 + 64 * complex.report().bend_m},
         exactly_{complex, tolerance_} {
     normals_.reserve(complex.planes().size());
     for (const exact::Plane& plane : complex.planes()) {
