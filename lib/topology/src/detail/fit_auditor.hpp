@@ -27,9 +27,10 @@ class FitAuditor final {
   explicit FitAuditor(const BlockComplex& complex)
       : complex_{complex},
         side_{complex.report().lattice_pitch_m * 0x1p48},
-        // Positions are good to the first. Where polygons share edges their bend adds to that: at a corner of planes
-        // that meet at a small angle it counts over the angle's sine, as for what the assembler takes to be straight.
-        tolerance_{side_ * 0x1p-40 + 64 * complex.report().bend_m},
+        tolerance_{std::max(side_ * 0x1p-40, 4 * complex.report().bend_m)},  // positions are good to that
+        // Where polygons share edges their bend adds to the rounding of positions: at a corner of planes that meet at a
+        // small angle it counts over the angle's sine, as for what the assembler takes to be straight.
+        off_plane_{side_ * 0x1p-40 + 64 * complex.report().bend_m},
         exactly_{complex, tolerance_} {
     normals_.reserve(complex.planes().size());
     for (const exact::Plane& plane : complex.planes()) {
@@ -149,7 +150,7 @@ class FitAuditor final {
         a = b;
       }
     }
-    if (!(highest <= tolerance_)) return Misfit::Of::corners;
+    if (!(highest <= off_plane_)) return Misfit::Of::corners;
     const Vec3 off = face.outward - outward;
     if (!(geometry::dot(off, off) <= 1e-18)) return Misfit::Of::normal;
     double patches = 0;
@@ -215,7 +216,7 @@ class FitAuditor final {
   }
 
   const BlockComplex& complex_;
-  double side_, tolerance_;
+  double side_, tolerance_, off_plane_;
   ExactBlocks exactly_;
   std::vector<UnitPlane> normals_;
 };
