@@ -279,7 +279,7 @@ TEST(KeyGroups, WhatMovesBesideAGroupDoesNotHoldIt) {
   EXPECT_EQ(moving[0].verdict, Verdict::certain);
   EXPECT_NEAR(moving[0].moving.factor, tan_deg(10) / tan_deg(30), 1e-6);
   EXPECT_EQ(moving[1].verdict, Verdict::unsafe);
-  EXPECT_NEAR(moving[1].moving.factor / factor(0.27), 1, 2e-6);
+  EXPECT_NEAR(moving[1].moving.factor / factor(0.27), 1, 1e-6);
   ASSERT_TRUE(moving[1].turning.has_value());
   EXPECT_LE(moving[1].turning->factor, moving[1].moving.factor);
 }

@@ -276,9 +276,8 @@ TEST(LoadsScene, WaterThatLiftsTheFloorIsSaid) {
   EXPECT_EQ(notes_with(run_of(slab + "seismic = [0, 0, 1.5]\n"), "water lifts"), 0U);
 }
 
-// A depth in place of a level, an earthquake that pushes the rock into the slope: nothing moves, and the note says why.
-TEST(LoadsScene, CasesThatChangeNothingOrHelpAreSaid) {
-  const std::string slab = R"([domain]
+// A slab on 20 degrees with 30 of friction.
+const std::string slab_on_twenty = R"([domain]
 box = { min = [0, 0, 0], max = [8, 8, 6] }
 [[joint]]
 plane = { through = [4, 4, 3], dip = 20, dip_direction = 90 }
@@ -287,14 +286,18 @@ friction = 30
 [stability]
 free = ["top", "east", "west", "north", "south"]
 )";
+
+// A depth in place of a level, an earthquake that pushes the rock into the slope: nothing moves, and the note says why.
+TEST(LoadsScene, CasesThatChangeNothingOrHelpAreSaid) {
   const auto load = [](std::string_view what) { return fmt::format("[[load]]\nname = \"a\"\n{}\n", what); };
-  const auto run_with = [&](std::string_view what) { return run_of(slab + load(what)); };
+  const auto run_with = [&](std::string_view what) { return run_of(slab_on_twenty + load(what)); };
   constexpr std::string_view nothing = "load case a changes the factor of safety of no block";
   const RunResult deep = run_with("water = { table = 1 }");  // the joint lies at 1.54 m and more
   EXPECT_EQ(notes_with(deep, "load case a changes the factor of safety of no block: its water (table = 1)"), 1U);
   EXPECT_EQ(notes_with(run_with("water = { table = 3 }"), nothing), 0U);
   EXPECT_EQ(notes_with(run_with("seismic = [0, 0, 0]"), nothing), 1U);
   EXPECT_EQ(notes_with(run_with("seismic = [0, 0, 0]"), "its water"), 0U);
+  EXPECT_EQ(notes_with(run_with("target = { sliding = 1.7 }"), nothing), 0U);  // it is there for that
   constexpr std::string_view sign = "check its sign";
   EXPECT_EQ(notes_with(run_with("seismic = [-0.1, 0, 0]"), sign), 1U);
   EXPECT_EQ(notes_with(run_with("seismic = [0.1, 0, 0]"), sign), 0U);
@@ -303,15 +306,7 @@ free = ["top", "east", "west", "north", "south"]
 
 // A slab on 20 degrees with 30 of friction: 1.586. What a case does not state is that of [stability].
 TEST(LoadsScene, ACaseMayHaveTargetsOfItsOwn) {
-  const std::string slab = R"([domain]
-box = { min = [0, 0, 0], max = [8, 8, 6] }
-[[joint]]
-plane = { through = [4, 4, 3], dip = 20, dip_direction = 90 }
-[joints.default]
-friction = 30
-[stability]
-free = ["top", "east", "west", "north", "south"]
-target = { falling = 2, sliding = 1.3 }
+  const std::string slab = slab_on_twenty + R"(target = { falling = 2, sliding = 1.3 }
 [[load]]
 name = "strict"
 target = { sliding = 1.7 }

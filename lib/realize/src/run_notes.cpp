@@ -157,10 +157,12 @@ void add_case_notes(const Scene& scene, const Realization& made, std::vector<std
   };
   for (std::size_t k = 0; k < made.load_cases.size(); ++k) {
     const CaseResult& load = made.load_cases[k];
-    const LoadSet& own = scene.stability->cases[k].loads;
+    const LoadCase& stated = scene.stability->cases[k];
+    const LoadSet& own = stated.loads;
     if (!base.judgements.empty() && std::ranges::equal(load.analysis.judgements, base.judgements, same)) {
       const auto& water = own.actions.spec().water;
       const bool wet = water && (!loads.actions.spec().water || loads.actions.spec().water->level != water->level);
+      if (stated.target && !wet) continue;  // it may be there for its targets
       notes.push_back(fmt::format(
           "load case {} changes the factor of safety of no block{}", load.name,
           wet ? fmt::format(": its water (table = {:g}) reaches no joint of theirs; the table is a level in the "
