@@ -79,6 +79,12 @@ enum class GroupsHeld : std::uint8_t {
   all,
 };
 
+stability::SupportPlan with_targets(stability::SupportPlan plan, const Targets& target) {
+  plan.target_falling = target.falling;
+  plan.target_sliding = target.sliding;
+  return plan;
+}
+
 /// What a search asks of a plan under one load case.
 class PlanCheck {
  public:
@@ -88,8 +94,7 @@ class PlanCheck {
       : complex_{&complex},
         settings_{std::move(settings)},
         analysis_{&analysis},
-        target_falling_{plan.target_falling},
-        target_sliding_{plan.target_sliding} {
+        target_{.falling = plan.target_falling, .sliding = plan.target_sliding} {
     if (!groups) return;
     stability::KeyGroups below = stability::groups_below_target(complex, settings_, plan, *groups);
     if (below.too_many || below.groups.empty()) return;
@@ -100,28 +105,21 @@ class PlanCheck {
   [[nodiscard]] const std::vector<topology::BlockId>& undecided() const noexcept { return undecided_; }
 
   stability::SupportResult operator()(const stability::SupportPlan& plan) {
-    stability::SupportResult result = check_support(*complex_, settings_, *analysis_, at_target(plan));
+    stability::SupportResult result = check_support(*complex_, settings_, *analysis_, with_targets(plan, target_));
     undecided_.insert(undecided_.end(), result.undecided.begin(), result.undecided.end());
     return result;
   }
   /// Where `has_groups`.
   [[nodiscard]] stability::GroupSupport groups(const stability::SupportPlan& plan,
                                                const stability::SupportResult& result) const {
-    return check_groups(*complex_, settings_, at_target(plan), result, *below_, *untied_, together_);
+    return check_groups(*complex_, settings_, with_targets(plan, target_), result, *below_, *untied_, together_);
   }
 
  private:
-  /// The targets are those of the load case.
-  [[nodiscard]] stability::SupportPlan at_target(stability::SupportPlan plan) const {
-    plan.target_falling = target_falling_;
-    plan.target_sliding = target_sliding_;
-    return plan;
-  }
-
   const topology::AuditedComplex* complex_;
   stability::Settings settings_;
   const stability::Analysis* analysis_;
-  double target_falling_, target_sliding_;
+  Targets target_;  ///< of the load case
   std::optional<stability::KeyGroups> below_;
   std::unique_ptr<assembly::UntiedSets> untied_ = std::make_unique<assembly::UntiedSets>();
   stability::Together together_;
@@ -343,10 +341,7 @@ stability::Together together(const Scene& scene, unsigned threads) {
 }
 
 stability::SupportPlan plan_under(const LoadCase& load, stability::SupportPlan plan) {
-  if (!load.target) return plan;
-  plan.target_falling = load.target->falling;
-  plan.target_sliding = load.target->sliding;
-  return plan;
+  return load.target ? with_targets(std::move(plan), *load.target) : plan;
 }
 
 void forget_cases_and_support(Realization& made) {
