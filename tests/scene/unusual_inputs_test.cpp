@@ -63,6 +63,15 @@ TEST(UnusualInputs, WhatMeansAnotherThingThanItSaysIsSaid) {
             (Said{"water.table is -5, below all of the rock (from 0 on), so that nothing is wet"}));
   EXPECT_EQ(with("[[load]]\nname = \"wet\"\nwater = { table = -5 }\n").size(), 1U);
   EXPECT_EQ(with("water = { table = 2 }\n"), Said{});
+  EXPECT_EQ(with("water = { table = 6 }\n"), Said{});
+  EXPECT_EQ(with("water = { table = 60 }\n"),
+            (Said{"water.table is 60, above all of the ground (up to 6): the rock stands under a lake"}));
+  // Without a free top there is rock above the box.
+  for (const std::string side : {"west", "bottom"}) {
+    EXPECT_EQ(texts(joints_and_rock + strength + "[stability]\nfree = [\"" + side + "\"]\nwater = { table = 60 }\n"),
+              Said{})
+        << side;
+  }
   // A table counts against gravity, wherever that points.
   const std::string upwards =
       "stability.gravity points upwards, as z does: what is taken out of a roof would fall upwards";
@@ -142,6 +151,11 @@ TEST(UnusualInputs, PatternsAndLawsThatHoldNothing) {
   EXPECT_EQ(with("spacing = [1.5, 1.5]\nlength = 4\nanchorage = 4\n"),
             (Said{"support.bolts[1].anchorage is 4 m, and the bolt is 4 m long: no bolt is gripped so, and none holds "
                   "anything"}));
+  const std::string cable = "spacing = [1.5, 1.5]\nlength = 8\nanchorage = 2\nkind = \"cable\"\nfree_length = ";
+  EXPECT_EQ(with(cable + "6\n"), Said{});
+  EXPECT_EQ(with(cable + "6.5\n"),
+            (Said{"support.bolts[1].free_length is 6.5 m, and the cable is 8 m long: less than its anchorage of 2 m is "
+                  "left to grip, and none holds anything"}));
   const auto set = [](const std::string& size, const std::string& kappa) {
     return texts(
         "[[joint_set]]\nname = \"S\"\norientation = { dip = 40, dip_direction = 30, distribution = "

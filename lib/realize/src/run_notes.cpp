@@ -334,8 +334,10 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
     notes.push_back("blocks that go on outside the box that was cut are not asked whether they turn");
   }
   if (clamped && !clamped->reached) {
-    notes.push_back(fmt::format("field stress: displacements of the section still change by {:.1e} (asked: {:.1e})",
-                                clamped->error, scene.field_stress->tolerance));
+    notes.push_back(
+        fmt::format("field stress: displacements of the section still change by {:.1e} (asked: {:.1e}) with its finest "
+                    "elements: the stress is known no better than that; where it will do, state a tolerance above it",
+                    clamped->error, scene.field_stress->tolerance));
   }
   if (clamped && clamped->held > 0) {
     notes.push_back(fmt::format("field stress: {} unstable {} held by the stress across {} joints; without it {}",

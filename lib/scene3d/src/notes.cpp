@@ -97,21 +97,51 @@ void note_sets_alike(const Scene& scene, const TableReader& root) {
   }
 }
 
-/// Tables below all of the rock: a depth where a level is asked for.
-void note_dry_tables(const Scene& scene, const TableReader& root) {
+/// From the corners of a face: within a degree of vertical it looks sideways.
+bool looks_up(const geometry::Solid& solid, const geometry::SolidFace& face, geometry::Vec3 down) {
+  const auto vertices = solid.vertices();
+  geometry::Vec3 area;
+  for (std::size_t k = 2; k < face.corners.size(); ++k) {
+    const geometry::Vec3 first = vertices[face.corners[0]];
+    area += geometry::cross(vertices[face.corners[k - 1]] - first, vertices[face.corners[k]] - first);
+  }
+  return -geometry::dot(area, down) > 0.0175 * geometry::norm(area) * geometry::norm(down);
+}
+
+/// Tables below all of the rock, or above all of its ground: a depth where a level is asked for, or another datum.
+void note_tables(const Scene& scene, const TableReader& root) {
   const geometry::Vec3 down = scene.stability->loads.body.gravity();
   if (down == geometry::Vec3{}) return;
-  double lowest = std::numeric_limits<double>::infinity();
-  for (const geometry::Vec3 v : scene.domain.vertices()) {
-    lowest = std::min(lowest, 0 - geometry::dot(v, down) / geometry::norm(down));
+  const auto level_of = [&](geometry::Vec3 v) { return 0 - geometry::dot(v, down) / geometry::norm(down); };
+  const auto vertices = scene.domain.vertices();
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  double lowest = infinite, highest = -infinite, ground = -infinite;
+  for (const geometry::Vec3 v : vertices) {
+    lowest = std::min(lowest, level_of(v));
+    highest = std::max(highest, level_of(v));
+  }
+  for (const geometry::SolidFace& face : scene.domain.faces()) {
+    if (std::ranges::find(scene.free_domain_tags, face.tag) == scene.free_domain_tags.end()) continue;
+    if (!looks_up(scene.domain, face, down)) continue;
+    for (const std::uint32_t corner : face.corners) ground = std::max(ground, level_of(vertices[corner]));
   }
   const auto look = [&](const LoadSet& loads) {
     const auto& water = loads.actions.spec().water;
-    if (!water || loads.water_level || !(water->level <= lowest)) return;
-    root.problems().note(
-        loads.line, "water.table",
-        fmt::format("is {:g}, below all of the rock (from {:g} on), so that nothing is wet", water->level, lowest),
-        "give the level of the table in the coordinates of the scene, not its depth");
+    if (!water || loads.water_level) return;
+    if (water->level <= lowest) {
+      root.problems().note(
+          loads.line, "water.table",
+          fmt::format("is {:g}, below all of the rock (from {:g} on), so that nothing is wet", water->level, lowest),
+          "give the level of the table in the coordinates of the scene, not its depth");
+    }
+    // A box deep in the rock has no ground of its own.
+    if (ground == highest && water->level > ground) {
+      root.problems().note(
+          loads.line, "water.table",
+          fmt::format("is {:g}, above all of the ground (up to {:g}): the rock stands under a lake", water->level,
+                      ground),
+          "where it does, state free_faces = true as well; else give the level in the coordinates of the scene");
+    }
   };
   look(scene.stability->loads);
   const auto& base = scene.stability->loads.actions.spec().water;
@@ -157,7 +187,7 @@ void find_notes(const Scene& scene, const TableReader& root) {
                   "add [joints.default] with friction");
   }
   note_sets_without_friction(scene, root);
-  note_dry_tables(scene, root);
+  note_tables(scene, root);
   const bool stiff =
       std::ranges::any_of(scene.sets, [](const NamedSet& set) { return set.properties.stiffness.has_value(); });
   if (stiff && !scene.field_stress) {

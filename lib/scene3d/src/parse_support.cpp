@@ -183,6 +183,16 @@ std::optional<stability::BoltType> parse_type(const TableReader& table) {
   }
   const auto kind = parse_kind(table, *anchorage);
   if (!kind) return std::nullopt;
+  if (const auto* cable = std::get_if<stability::Cable>(&*kind)) {
+    const double free = cable->free_length.si();
+    if (const auto length = table.number("length"); length && free > 0 && free + *anchorage > *length) {
+      table.note("free_length",
+                 fmt::format("is {:g} m, and the cable is {:g} m long: less than its anchorage of {:g} m is left to "
+                             "grip, and none holds anything",
+                             free, *length, *anchorage),
+                 "make the cables longer, or this less");
+    }
+  }
   return stability::BoltType{.tendon = newtons(*tendon),
                              .plate = newtons(plate),
                              .anchorage = metres(*anchorage),
