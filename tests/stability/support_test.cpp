@@ -633,6 +633,35 @@ TEST(SupportTest, ForcesThatNoFaceCanTakeAreToldApart) {
   for (const SupportedBlock& block : check_support(slope.complex, with, a, plan).blocks) EXPECT_FALSE(block.passed_on);
 }
 
+// Two slabs one behind the other want at the target what one slab of both their weights wants. At full strengths the one
+// behind keeps what it needs for a factor of 1 alone, and pushes on nobody where that is above 1.
+TEST(SupportTest, BlocksBehindPushAtTheStrengthsAskedFor) {
+  for (const double friction : {20.0, 35.0}) {
+    SCOPED_TRACE(friction);
+    const Slope slope = Slope::make(30, 15, 2, {10});
+    const Settings full = weighing(150, 60, friction);
+    Settings reduced = full;
+    reduced.transfer.strengths = TransferReadings::Strengths::target;
+    const double target = 1.3;
+    const auto net = [&](double weight, double factor) {
+      return weight * (std::sin(radians(30)) - std::tan(radians(friction)) / factor * std::cos(radians(30)));
+    };
+    const double front = 150.0 / 3, behind = 100;  // 5 m and 10 m of 15
+    // Force up the slope: nothing presses more for it.
+    const auto required = [&](const Settings& with) {
+      const auto result = check_support(slope.complex, with, analyse(slope.complex, with), plan_with({}, target));
+      const auto most = std::ranges::max_element(result.blocks, {}, &SupportedBlock::received);
+      return most == result.blocks.end() ? std::pair{0.0, 0.0} : std::pair{most->received, most->net_force};
+    };
+    const auto [received, left] = required(reduced);
+    EXPECT_NEAR(received, net(behind, target), 1e-9 * behind);
+    EXPECT_NEAR(left, net(front, 1) + net(behind, target), 1e-9 * front);
+    const auto [received_full, left_full] = required(full);
+    EXPECT_NEAR(received_full, std::max(0.0, net(behind, 1)), 1e-9 * behind);
+    EXPECT_LT(left_full, left);
+  }
+}
+
 // Plates of 1 m and 3 m one behind the other: a bolt of 3 m with 0.5 m of anchorage grips both, with 2.5 m only one.
 TEST(SupportTest, AnchorageDecidesWhatIsStitched) {
   const Slope slope = Slope::make(30, 4, 2, {3});

@@ -65,7 +65,9 @@ const KeyTable& transfer_keys() {
                {"along", key::word<Readings::Along>(), "\"motion\"", "direction in which it passes"},
                {"receiver", key::word<Readings::Receiver>(), "\"judged_anew\"", "motion of the block that receives"},
                {"stabilised", key::word<Readings::Stabilised>(), "\"keeps_batch\"", "a block that forces make stable"},
-               {"interface", key::word<Readings::Interface>(), "\"ignored\"", "shear that a face can carry"}}};
+               {"interface", key::word<Readings::Interface>(), "\"ignored\"", "shear that a face can carry"},
+               {"strengths", key::word<Readings::Strengths>(), "\"full\"",
+                "at which blocks behind push on those that `[support]` holds"}}};
   return keys;
 }
 
@@ -126,7 +128,8 @@ void parse_transfer(const TableReader& stability, StabilitySettings& settings) {
                        .along = table.word<Readings::Along>("along"),
                        .receiver = table.word<Readings::Receiver>("receiver"),
                        .stabilised = table.word<Readings::Stabilised>("stabilised"),
-                       .interface = table.word<Readings::Interface>("interface")};
+                       .interface = table.word<Readings::Interface>("interface"),
+                       .strengths = table.word<Readings::Strengths>("strengths")};
 }
 
 std::optional<MaximumBlockSettings> parse_maximum_blocks(const Context& context, const TableReader& stability,
@@ -212,7 +215,7 @@ const KeyTable& stability_keys() {
          "net forces of later batches pass to earlier ones; a table chooses between readings of Fu (2014): `{ reach = "
          "\"any_earlier\"/\"adjacent\", force = \"net\"/\"driving\", along = \"motion\"/\"normals\", receiver = "
          "\"judged_anew\"/\"keeps_mode\", stabilised = \"keeps_batch\"/\"batches_anew\", interface = "
-         "\"ignored\"/\"strength\" }`, [stability.md](stability.md)"},
+         "\"ignored\"/\"strength\", strengths = \"full\"/\"target\" }`, [stability.md](stability.md)"},
         {"rotation", key::word<stability::RotationCheck>(), "\"flag\"",
          "single blocks that cannot slide are asked whether they turn (topple, twist): `\"flag\"` tells, `\"decide\"` "
          "makes those that do key blocks, `\"off\"` does not ask. Ensembles only ask with `\"decide\"`"},

@@ -39,11 +39,13 @@ double angle_between(const Bolt& bolt, Vec3 movement) {
 
 class Check final {
  public:
+  /// `pushing`: what blocks of later batches pass on.
   Check(const topology::BlockComplex& complex, const Settings& settings, const Analysis& analysis,
-        const SupportPlan& plan)
+        const Analysis& pushing, const SupportPlan& plan)
       : complex_{&complex},
         settings_{&settings},
         analysis_{&analysis},
+        pushing_{&pushing},
         plan_{&plan},
         model_{complex, settings},
         truncated_blocks_{model_},
@@ -74,7 +76,7 @@ class Check final {
   /// What blocks of later batches pass to a body; forces between its members are its own business.
   [[nodiscard]] ForceSum received(std::span<const BlockId> members) const {
     ForceSum sum;
-    for (const Judgement& giver : analysis_->judgements) {
+    for (const Judgement& giver : pushing_->judgements) {
       if (!giver.transferred || giver.transferred->passes.empty()) continue;
       if (std::ranges::binary_search(members, giver.block)) continue;
       for (const Passed& passed : giver.transferred->passes) {
@@ -118,7 +120,7 @@ class Check final {
 
   void find_needy() {
     received_by_ = IdVector<BlockId, ForceSum>(complex_->blocks().size());
-    for (const Judgement& giver : analysis_->judgements) {
+    for (const Judgement& giver : pushing_->judgements) {
       if (!giver.transferred) continue;
       for (const Passed& passed : giver.transferred->passes) received_by_[passed.onto].add(passed.force, {});
     }
@@ -448,6 +450,7 @@ class Check final {
   const topology::BlockComplex* complex_;
   const Settings* settings_;
   const Analysis* analysis_;
+  const Analysis* pushing_;
   const SupportPlan* plan_;
   Model model_;
   TruncatedBlocks truncated_blocks_;
@@ -472,7 +475,18 @@ bool SupportResult::passes() const noexcept {
 
 SupportResult check_support(const topology::AuditedComplex& complex, const Settings& settings, const Analysis& analysis,
                             const SupportPlan& plan) {
-  return Check{complex.complex(), settings, analysis, plan}.run();
+  const bool reduces = settings.force_transfer && settings.transfer.strengths == TransferReadings::Strengths::target &&
+                       plan.target_sliding > 1;
+  if (!reduces) return Check{complex.complex(), settings, analysis, analysis, plan}.run();
+  const PartialFactors& own = settings.partial;
+  Settings reduced = settings;
+  reduced.partial = PartialFactors::make(own.friction() * plan.target_sliding, own.cohesion() * plan.target_sliding,
+                                         own.weight())
+                        .value();
+  const Analysis pushing = analyse(complex, reduced);
+  SupportResult result = Check{complex.complex(), settings, analysis, pushing, plan}.run();
+  result.undecided.insert(result.undecided.end(), pushing.undecided.begin(), pushing.undecided.end());
+  return result;
 }
 
 }  // namespace cleave::stability

@@ -47,12 +47,18 @@ struct TransferReadings {
     ignored,   ///< any shear crosses a face; `Transferred::shear_ratio` tells
     strength,  ///< no more shear than friction and cohesion of the face allow; the rest is lost
   };
+  /// Of the blocks that pass forces on, where support is checked (the analysis itself is at full strengths).
+  enum class Strengths : std::uint8_t {
+    full,    ///< as Fu: blocks of a factor from 1 to the target push on nobody
+    target,  ///< divided by the required factor of sliding, as those of the block that is to be held
+  };
   Reach reach = Reach::any_earlier;
   Force force = Force::net;
   Along along = Along::motion;
   Receiver receiver = Receiver::judged_anew;
   Stabilised stabilised = Stabilised::keeps_batch;
   Interface interface = Interface::ignored;
+  Strengths strengths = Strengths::full;
   friend bool operator==(const TransferReadings&, const TransferReadings&) = default;
 };
 
