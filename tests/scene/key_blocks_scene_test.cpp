@@ -680,10 +680,10 @@ TEST(KeyBlocksScene, ReadingsOfTheTransferAreRead) {
                         "strengths = \"target\" }\n"));
   using Readings = stability::TransferReadings;
   EXPECT_TRUE(scene.stability->force_transfer);
-  EXPECT_EQ(scene.stability->transfer, (Readings{Readings::Reach::adjacent, Readings::Force::driving,
-                                                 Readings::Along::normals, Readings::Receiver::keeps_mode,
-                                                 Readings::Stabilised::batches_anew, Readings::Interface::strength,
-                                                 Readings::Strengths::target}));
+  EXPECT_EQ(scene.stability->transfer,
+            (Readings{Readings::Reach::adjacent, Readings::Force::driving, Readings::Along::normals,
+                      Readings::Receiver::keeps_mode, Readings::Stabilised::batches_anew, Readings::Interface::strength,
+                      Readings::Strengths::target}));
   EXPECT_EQ(scene_of(with_box("[stability]\nfree = [\"top\"]\n")).stability->transfer, Readings{});
 }
 

@@ -633,8 +633,8 @@ TEST(SupportTest, ForcesThatNoFaceCanTakeAreToldApart) {
   for (const SupportedBlock& block : check_support(slope.complex, with, a, plan).blocks) EXPECT_FALSE(block.passed_on);
 }
 
-// Two slabs one behind the other want at the target what one slab of both their weights wants. At full strengths the one
-// behind keeps what it needs for a factor of 1 alone, and pushes on nobody where that is above 1.
+// Two slabs one behind the other want at the target what one slab of both their weights wants. At full strengths the
+// one behind keeps what it needs for a factor of 1 alone, and pushes on nobody where that is above 1.
 TEST(SupportTest, BlocksBehindPushAtTheStrengthsAskedFor) {
   for (const double friction : {20.0, 35.0}) {
     SCOPED_TRACE(friction);

@@ -79,11 +79,8 @@ std::optional<Vec2> Solution::displacement(std::size_t region, Vec2 point) const
   const Nearest near = nearest(part.mesh, y);
   if (near.distance < 1e-9) return boundary(region, near.element, near.s).displacement;
   if (near.distance >= on_it && !within(region, point)) return std::nullopt;
-  const Medium medium{{part.particular.mu, part.particular.nu},
-                      surface_ ? std::optional{HalfPlane{*surface_}} : std::nullopt};
-  const Integrator integrator{part.mesh, medium, integration_};
-  const Vec2 u =
-      displacement_inside(integrator, part.u_part, part.t_part, y, near, extent_ != Extent::bounded && region == 0);
+  const Vec2 u = displacement_inside(inside_[region]->integrator(), part.u_part, part.t_part, y, near,
+                                     extent_ != Extent::bounded && region == 0);
   return scale_ * (u + part.particular.displacement(y));
 }
 
@@ -95,11 +92,8 @@ std::optional<Sym2> Solution::stress(std::size_t region, Vec2 point) const {
   const Nearest near = nearest(mesh, y);
   if (near.distance < 1e-9) return boundary(region, near.element, near.s).stress;
   if (near.distance >= on_it && !within(region, point)) return std::nullopt;
-  const Elastic elastic{part.particular.mu, part.particular.nu};
-  const Medium medium{elastic, surface_ ? std::optional{HalfPlane{*surface_}} : std::nullopt};
-  const Integrator integrator{mesh, medium, integration_};
-  const Sym2 sigma =
-      stress_inside(integrator, part.u_part, part.t_part, y, near, extent_ != Extent::bounded && region == 0);
+  const Sym2 sigma = stress_inside(inside_[region]->integrator(), part.u_part, part.t_part, y, near,
+                                   extent_ != Extent::bounded && region == 0);
   return mu_ * (sigma + part.particular.stress(y));
 }
 

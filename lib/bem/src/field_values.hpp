@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "element_rows.hpp"
@@ -29,6 +30,21 @@ struct Gradient {
 [[nodiscard]] Gradient on_boundary(const Mesh& mesh, const std::vector<Vec2>& u,
                                    const std::vector<std::array<Vec2, 3>>& t, std::size_t element, double s, double mu,
                                    double nu);
+
+/// The rules on the elements of a mesh, made once for all points inside.
+class InsideRules final {
+ public:
+  InsideRules(Mesh mesh, const Medium& medium, double tolerance)
+      : mesh_{std::move(mesh)}, integrator_{mesh_, medium, tolerance} {}
+  InsideRules(const InsideRules&) = delete;
+  InsideRules& operator=(const InsideRules&) = delete;
+  ~InsideRules() = default;
+  [[nodiscard]] const Integrator& integrator() const noexcept { return integrator_; }
+
+ private:
+  Mesh mesh_;
+  Integrator integrator_;  // points to the mesh
+};
 
 /// Displacement at a point that is not on the boundary. `outer`: of a region that goes on to infinity.
 [[nodiscard]] Vec2 displacement_inside(const Integrator& integrator, const std::vector<Vec2>& u,

@@ -1,11 +1,13 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <span>
 
 #include "cleave/core/cost.hpp"
 #include "cleave/core/parallel.hpp"
+#include "field_values.hpp"
 #include "gauss.hpp"
 #include "system.hpp"
 #include "with_eigen.hpp"
@@ -165,7 +167,6 @@ Solution SolutionMaker::make(const Problem& problem, const Options& options, Sys
   out.origin_ = system.origin;
   out.scale_ = system.scale;
   out.mu_ = system.mu;
-  out.integration_ = options.integration;
   const auto value = [&](const Affine& a) {
     Vec2 v = a.constant;
     for (std::uint32_t k = 0; k < a.count; ++k) v += x(ix(a.terms[k].column)) * a.terms[k].direction;
@@ -225,6 +226,9 @@ Solution SolutionMaker::make(const Problem& problem, const Options& options, Sys
     }
     std::vector<Loop> loops = check_loops(given.loops, system.extent != Extent::bounded && r == 0)->loops;
     out.diagnostics_.elements += region.mesh.elements.size();
+    const Medium medium{{region.particular.mu, region.particular.nu},
+                        system.surface ? std::optional{HalfPlane{*system.surface}} : std::nullopt};
+    out.inside_.push_back(std::make_shared<const InsideRules>(region.mesh, medium, options.integration));
     out.regions_.push_back({given.material, std::move(loops), std::move(region.mesh), region.particular, std::move(u),
                             std::move(t), std::move(u_part), std::move(t_part)});
   }

@@ -480,9 +480,9 @@ SupportResult check_support(const topology::AuditedComplex& complex, const Setti
   if (!reduces) return Check{complex.complex(), settings, analysis, analysis, plan}.run();
   const PartialFactors& own = settings.partial;
   Settings reduced = settings;
-  reduced.partial = PartialFactors::make(own.friction() * plan.target_sliding, own.cohesion() * plan.target_sliding,
-                                         own.weight())
-                        .value();
+  reduced.partial =
+      PartialFactors::make(own.friction() * plan.target_sliding, own.cohesion() * plan.target_sliding, own.weight())
+          .value();
   const Analysis pushing = analyse(complex, reduced);
   SupportResult result = Check{complex.complex(), settings, analysis, pushing, plan}.run();
   result.undecided.insert(result.undecided.end(), pushing.undecided.begin(), pushing.undecided.end());

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <expected>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -112,6 +113,8 @@ struct MeshError {
   double error = 0;    ///< as of Refined
 };
 
+class InsideRules;
+
 /// The solution of a static problem: values on the boundary, and by quadrature everywhere.
 class Solution final {
  public:
@@ -146,13 +149,13 @@ class Solution final {
   friend struct SolutionMaker;
   [[nodiscard]] bool within(std::size_t region, Vec2 x) const;
   std::vector<RegionPart> regions_;
+  std::vector<std::shared_ptr<const InsideRules>> inside_;  // by region
   Diagnostics diagnostics_;
   Extent extent_ = Extent::bounded;
   std::optional<double> surface_;  // scaled
   Vec2 origin_;
   double scale_ = 1;
   double mu_ = 1;
-  double integration_ = 1e-10;
 };
 
 /// Direct collocation (Rizzo 1967), dense LU. O(n^2) memory and O(n^3) time in the boundary unknowns.
