@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <tuple>
 #include <utility>
@@ -197,6 +198,48 @@ TEST(Masonry, DominoTopplesOrFallsBack) {
     ASSERT_TRUE(run(w, 2.4));
     EXPECT_EQ(angle_of(w.turn(1)) > 0.5, spin > 0.38122257) << spin;
   }
+}
+
+/// When each domino of a row of 20, of which the first is pushed, has turned by 0.1 rad.
+std::vector<double> times_of_a_row(double step) {
+  constexpr std::size_t dominoes = 20;
+  std::vector<BodySpec> bodies{floor()};
+  for (std::size_t k = 0; k < dominoes; ++k) {
+    const double x = 0.4 * static_cast<double>(k);
+    bodies.push_back(body(box({x, 0, 0}, {x + 0.1, 0.4, 1})));
+  }
+  bodies[1].spin = {0, 1, 0};
+  bodies[1].velocity = cross(bodies[1].spin, Vec3{-0.05, 0, 0.5});
+  World w = world(std::move(bodies), 1, {.step = step, .sleep = false});
+  std::vector<double> times;
+  double before = 0, from = 0;
+  while (times.size() < dominoes && from < 6) {
+    const double until = from + step;
+    if (!run(w, until)) break;
+    const double angle = angle_of(w.turn(times.size() + 1));
+    if (angle >= 0.1) {
+      times.push_back(until - step * (angle - 0.1) / (angle - before));
+      before = times.size() < dominoes ? angle_of(w.turn(times.size() + 1)) : 0;
+    } else {
+      before = angle;
+    }
+    from = until;
+  }
+  return times;
+}
+
+// After some of them the front goes along a row at one speed, whatever the step.
+TEST(Masonry, ARowOfDominoesFallsAtOneSpeed) {
+  std::array<double, 2> speeds{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const std::vector<double> times = times_of_a_row(k == 0 ? 4e-3 : 2e-3);
+    ASSERT_EQ(times.size(), 20U);
+    speeds[k] = 0.4 * 11 / (times[19] - times[8]);
+    for (std::size_t d = 9; d < 20; ++d) {
+      EXPECT_NEAR(0.4 / (times[d] - times[d - 1]), speeds[k], 0.02 * speeds[k]) << d;
+    }
+  }
+  EXPECT_NEAR(speeds[0], speeds[1], 0.02 * speeds[1]);
 }
 
 /// A hexagonal prism that rolls down a slope, a face on it.
