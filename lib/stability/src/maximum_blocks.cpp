@@ -150,7 +150,7 @@ std::vector<MaximumKeyBlock> maximum_key_blocks(std::span<const TheoryPlane> pla
           row.factor_of_safety = v.factor_of_safety;
           row.target = v.mode == Mode::falling || v.mode == Mode::lifting ? loads.target_falling : loads.target_sliding;
           if (moves(v.mode)) {
-            lose_cohesion_that_opens(loaded.contacts, v);
+            keep_cohesion_of(v, loaded.resultant, settings.parallel_contact, loaded.contacts);
             row.required_pressure = required_pressure(loaded, settings, v, row.target, block->face_vector);
           }
           found.push_back(std::move(row));

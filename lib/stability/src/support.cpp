@@ -100,7 +100,7 @@ class Check final {
     body.resultant.add(from_later.force, from_later.scale);
     body.bare = judge(body.contacts, body.resultant, *settings_);
     body.target = target_of(body.bare.mode, *plan_);
-    lose_cohesion_that_opens(body.contacts, body.bare);
+    keep_cohesion_of(body.bare, body.resultant, settings_->parallel_contact, body.contacts);
     return body;
   }
 
@@ -159,7 +159,7 @@ class Check final {
         own.resultant.add(-received.force, received.scale);
         own.contacts = model_.contacts_of({&id, 1}, 1);
         own.bare = judge(own.contacts, own.resultant, *settings_);
-        lose_cohesion_that_opens(own.contacts, own.bare);
+        keep_cohesion_of(own.bare, own.resultant, settings_->parallel_contact, own.contacts);
         own.target = target_of(own.bare.mode, *plan_);
         entry.own_pressure = moves(own.bare.mode) && own.lacks() ? pressure_needed(own, push) : 0;
         entry.passed_on = pascals(entry.required_pressure) > plan_->most_pressure &&

@@ -61,12 +61,19 @@ double valley(double low, double high, Function&& of) {
 
 }  // namespace
 
-void lose_cohesion_that_opens(Contacts& contacts, const Verdict& bare) {
+void keep_cohesion_of(const Verdict& bare, const Resultant& resultant, bool parallel_contact, Contacts& contacts) {
   if (!moves(bare.mode)) return;
+  const double load = norm(resultant.newtons());
   for (std::uint32_t group = 0; group < contacts.groups.size(); ++group) {
-    const auto presses = [&](const auto& pair) { return pair.first == group; };
-    if (std::ranges::any_of(bare.resistance.pressing, presses)) continue;
-    contacts.groups[group].cohesion *= 1 - cohesion_share(dot(contacts.cone.groups()[group].unit(), bare.direction));
+    double counts = 0;
+    for (const auto& [presses, reaction] : bare.resistance.pressing) {
+      if (presses == group && load > 0) counts = cohesion_share(reaction / load);
+    }
+    if (parallel_contact) {
+      const double opens = dot(contacts.cone.groups()[group].unit(), bare.direction);
+      counts = std::max(counts, 1 - cohesion_share(opens));
+    }
+    contacts.groups[group].cohesion *= counts;
   }
 }
 

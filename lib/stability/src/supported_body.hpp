@@ -19,9 +19,9 @@ struct Body {
   [[nodiscard]] bool lacks() const { return lack() > 0x1p-40 * bare.driving; }
 };
 
-/// Faces that a body opens as it moves without support (`bare`) have parted before support holds it: what presses them
-/// shut again does not bring back their cohesion.
-void lose_cohesion_that_opens(Contacts& contacts, const Verdict& bare);
+/// No face has more cohesion under support than counts without it (`bare`, under `resultant`): what a body opens as it
+/// moves has parted before support holds it, and what presses it shut again does not bring that back.
+void keep_cohesion_of(const Verdict& bare, const Resultant& resultant, bool parallel_contact, Contacts& contacts);
 
 [[nodiscard]] double target_of(Mode mode, const SupportPlan& plan);
 
