@@ -135,7 +135,7 @@ TEST(Sequence, SupportIsCheckedStageByStage) {
         "tendon_capacity = 200e3\nplate_capacity = 200e3\nbond_strength = 1e6\nanchorage = 0.3\nafter_stage = ";
     return run_of(with_box(std::string{two_stages} + bolts + std::to_string(after) + "\n")).sequence.value().stages;
   };
-  for (const int after : {2, 5, 6}) {
+  for (const int after : {2, 5}) {
     const auto stages = supported(after);
     ASSERT_EQ(stages.size(), 2U);
     ASSERT_TRUE(stages[0].support && stages[1].support);
@@ -143,8 +143,29 @@ TEST(Sequence, SupportIsCheckedStageByStage) {
     EXPECT_EQ(stages[1].support->blocks, 1U);
     EXPECT_EQ(stages[1].support->bolts_before, after < 5 ? 1U : 0U);
     EXPECT_EQ(stages[1].support->not_held_before, after < 5 ? 0U : 1U);
-    EXPECT_EQ(stages[1].support->not_held, after <= 5 ? 0U : 1U);
+    EXPECT_EQ(stages[1].support->not_held, 0U);
   }
+}
+
+TEST(Sequence, BoltsThatAreNeverInstalledAreRefused) {
+  const auto bolts = [](const std::string& more) {
+    return with_box(std::string{two_stages} + "[[support.bolts]]\nlength = 3\ntendon_capacity = 200e3\n"
+                                              "plate_capacity = 200e3\nbond_strength = 1e6\nanchorage = 0.3\n" +
+                    more);
+  };
+  const std::string single = "at = [[4.2, 4, 2]]\ndirection = [0, 0, 1]\nafter_stage = ";
+  EXPECT_TRUE(parse_text(bolts(single + "5\n")).has_value());
+  EXPECT_TRUE(error_of(bolts(single + "6\n")).contains("stage 5 of the excavations is the last"));
+  // Before there is a tunnel nobody drills from it.
+  const std::string second =
+      "[[excavation]]\nname = \"t\"\nstage = 5\nkind = \"tunnel\"\nsection = { shape = \"circle\", radius = 0.5 }\n"
+      "axis = [[1, 0, 5], [1, 8, 5]]\n";
+  const std::string rings = second + "[[support.bolts]]\nlength = 1\ntendon_capacity = 200e3\nbond_strength = 1e6\n"
+                                     "anchorage = 0.3\nplate_capacity = 200e3\ntunnel = \"t\"\nspacing = [1, 1]\n";
+  EXPECT_TRUE(parse_text(with_box(std::string{two_stages} + rings)).has_value());
+  EXPECT_TRUE(parse_text(with_box(std::string{two_stages} + rings + "after_stage = 5\n")).has_value());
+  EXPECT_TRUE(error_of(with_box(std::string{two_stages} + rings + "after_stage = 2\n"))
+                  .contains("is 2, and its tunnel is excavated in stage 5"));
 }
 
 TEST(Sequence, BlocksPutBackAreThoseOfTheWholeExcavation) {

@@ -115,8 +115,18 @@ TEST(UnusualInputs, ShotcreteAndStressOfOtherConventions) {
   const std::string stress = "strength = 1e6 }\n[field_stress]\ntolerance = 1e-2\nstress = ";
   EXPECT_EQ(texts(joints_and_rock + "poisson = 0.25\n" + strength + tunnel + stress + "[5e6, 5e6, 5e6, 0, 0, 0]\n"),
             (Said{"field_stress.stress pulls: normal stresses above 0 are tension"}));
-  EXPECT_EQ(texts(joints_and_rock + "poisson = 0.25\n" + strength + tunnel + stress + "[-5e6, -5e6, -5e6, 0, 0, 0]\n"),
-            Said{});
+  const std::string pressed =
+      joints_and_rock + "poisson = 0.25\n" + strength + tunnel + stress + "[-5e6, -5e6, -5e6, 0, 0, 0]\n";
+  EXPECT_EQ(texts(pressed), Said{});
+  EXPECT_EQ(texts(pressed + "gradient = [26e3, 26e3, 26e3, 0, 0, 0]\n"), Said{});
+  EXPECT_EQ(texts(pressed + "gradient = [0, 0, -26e3, 0, 0, 0]\n"),
+            (Said{"field_stress.gradient has zz = -2.6e+04 Pa/m: the rock is pressed more the higher it lies"}));
+  EXPECT_EQ(texts(pressed + "gradient = [0, 0, 2.6e3, 0, 0, 0]\n"),
+            (Said{"field_stress.gradient has zz = 2600 Pa/m, far from the weight of the rock"}));
+  // 5 MPa are used up 192 m above the level they are given at.
+  EXPECT_EQ(texts(pressed + "gradient = [0, 0, 26e3, 0, 0, 0]\nlevel = -180\n"), Said{});
+  EXPECT_EQ(texts(pressed + "gradient = [0, 0, 26e3, 0, 0, 0]\nlevel = -200\n"),
+            (Said{"field_stress.stress pulls at the tunnel \"t\", 203 m above the level it is given at"}));
 }
 
 // As the table of keys says.
@@ -156,6 +166,14 @@ TEST(UnusualInputs, PatternsAndLawsThatHoldNothing) {
   EXPECT_EQ(with(cable + "6.5\n"),
             (Said{"support.bolts[1].free_length is 6.5 m, and the cable is 8 m long: less than its anchorage of 2 m is "
                   "left to grip, and none holds anything"}));
+  // One that was copied counts twice.
+  const std::string single = "\n[[support.bolts]]\nname = \"spot\"\nat = [[4, 4, 4]]\ndirection = [0, 0, 1]\nlength = 1.5\n"
+                             "tendon_capacity = 200e3\nplate_capacity = 100e3\nbond_strength = 200e3\nanchorage = 0.5\n";
+  const std::string rings = "spacing = [1.5, 1.5]\nlength = 4\nanchorage = 0.5\n";
+  EXPECT_EQ(with(rings + single), Said{});
+  EXPECT_EQ(with(rings + single + single),
+            (Said{"support.bolts has 1 bolt where another stands with the same direction (of \"spot\" and \"spot\"): "
+                  "each counts"}));
   const auto set = [](const std::string& size, const std::string& kappa) {
     return texts(
         "[[joint_set]]\nname = \"S\"\norientation = { dip = 40, dip_direction = 30, distribution = "

@@ -147,6 +147,15 @@ void add_lifted_notes(const Scene& scene, const Realization& made, std::vector<s
   }
 }
 
+/// What key blocks of all batches lack, one by one.
+Force net_force_of(const stability::Analysis& analysis) {
+  Force sum{};
+  for (const stability::Judgement& j : analysis.judgements) {
+    if (j.key) sum += j.net;
+  }
+  return sum;
+}
+
 /// Cases that change nothing, and earthquakes that push the rock where it is held: what a wrong sign, or a depth in
 /// place of a level, looks like.
 void add_case_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
@@ -174,11 +183,17 @@ void add_case_notes(const Scene& scene, const Realization& made, std::vector<std
     if (own.body.seismic() == loads.body.seismic()) continue;
     const double before = count_key_blocks(base).lowest_factor_of_safety;
     const double after = count_key_blocks(load.analysis).lowest_factor_of_safety;
-    if (!(after > before)) continue;
-    notes.push_back(
-        fmt::format("load case {}: with its earthquake the lowest factor of safety is {:.4g}, more than {:.4g} in the "
-                    "base case: `seismic` is the direction in which the rock is pushed; check its sign",
-                    load.name, after, before));
+    constexpr std::string_view sign = "`seismic` is the direction in which the rock is pushed; check its sign";
+    if (after > before) {
+      notes.push_back(
+          fmt::format("load case {}: with its earthquake the lowest factor of safety is {:.4g}, more than {:.4g} in "
+                      "the base case: {}",
+                      load.name, after, before, sign));
+    } else if (const Force needed = net_force_of(load.analysis), less = net_force_of(base); needed < less) {
+      notes.push_back(fmt::format(
+          "load case {}: with its earthquake all that moves lacks {:.4g} kN, less than {:.4g} kN in the base case: {}",
+          load.name, needed.si() / 1000, less.si() / 1000, sign));
+    }
   }
 }
 

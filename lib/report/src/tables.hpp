@@ -274,14 +274,15 @@ void fields(V& v, const SupportBlockRow& x) {
   v("held_by", name(x.b.held));
   v("bolts", x.b.bolts);
   v("factor_with_bolts", x.b.factor_with_bolts, "bolts alone, a partial sum");
-  v("factor_with_shotcrete", x.b.factor_with_shotcrete.value_or(0), "shotcrete alone, a partial sum");
+  v("factor_with_shotcrete", x.b.factor_with_shotcrete, "shotcrete alone, a partial sum; empty without");
   v("factor_with_support", x.b.factor_with_support, "with everything: at least the target exactly where it is held");
   v("mobilised_share", x.b.mobilised, "of the bolts; empty where no share holds");
   v("missing_force_n", x.b.missing_force);
   v("required_force_n", x.b.required_force);
   v("required_pressure_pa", x.b.required_pressure);
   v("free_area_m2", x.b.free_area.si());
-  v("shotcrete_thickness_m", x.b.needed_thickness.value_or(0), "that would hold the block alone");
+  v("shotcrete_thickness_m", x.b.needed_thickness,
+    "that would hold the block alone; empty without shotcrete and where none would, as its bond gives way first");
   v("received_n", x.b.received, "what blocks of later batches pass to it");
   v("own_pressure_pa", x.b.own_pressure, "required_pressure_pa without that");
   v("passed_on", x.b.passed_on,

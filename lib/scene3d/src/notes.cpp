@@ -151,6 +151,27 @@ void note_tables(const Scene& scene, const TableReader& root) {
   }
 }
 
+/// Ensembles in which nothing is drawn: copies of one run, of which an interval says nothing.
+void note_nothing_drawn(const Scene& scene, const TableReader& root) {
+  if (!scene.monte_carlo || !scene.joint_sets.empty()) return;
+  const auto is_law = [](FrictionLaw::Kind kind) { return kind != FrictionLaw::Kind::constant; };
+  if (is_law(scene.monte_carlo->seismic_factor.kind)) return;
+  const auto drawn = [&](const NamedSet& set) {
+    const JointProperties& p = set.properties;
+    return is_law(p.friction.kind) || is_law(p.cohesion.kind) || is_law(p.tension.kind);
+  };
+  if (std::ranges::any_of(scene.sets, drawn)) return;
+  if (scene.stability) {
+    const auto level = [](const LoadSet& loads) { return loads.water_level.has_value(); };
+    if (level(scene.stability->loads) ||
+        std::ranges::any_of(scene.stability->cases, [&](const LoadCase& load) { return level(load.loads); })) {
+      return;
+    }
+  }
+  root.note("monte_carlo", "draws nothing: there is no [[joint_set]] and no law, so that all realizations are one",
+            "give friction or cohesion a law, add a [[joint_set]], or remove the section: its intervals say nothing");
+}
+
 }  // namespace
 
 void find_notes(const Scene& scene, const TableReader& root) {
@@ -173,6 +194,7 @@ void find_notes(const Scene& scene, const TableReader& root) {
     problems.note(1, "joint", "there are no joints", "the rock stays one block unless excavations part it");
   }
   note_sets_alike(scene, root);
+  note_nothing_drawn(scene, root);
   if (!scene.stability) {
     if (root.has("stability")) {
       problems.note(root.line_of("stability"), "stability", "nothing is free: no excavation and no free face",

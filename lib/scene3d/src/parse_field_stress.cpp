@@ -135,6 +135,29 @@ void check_depth(const TableReader& table, const FieldStressSettings& settings, 
   }
 }
 
+/// A vertical stress that does not grow downwards by the weight of the rock: a wrong sign, or another unit.
+void note_gradient(const TableReader& table, double vertical, Density density) {
+  const double weight = density.si() * 9.81;
+  constexpr double usual = 1e3;  // what lies below it is noted as any number is
+  if (std::abs(vertical) < usual || (vertical > 0.5 * weight && vertical < 2 * weight)) return;
+  table.note("gradient",
+             vertical < 0 ? fmt::format("has zz = {:.4g} Pa/m: the rock is pressed more the higher it lies", vertical)
+                          : fmt::format("has zz = {:.4g} Pa/m, far from the weight of the rock", vertical),
+             fmt::format("compression is negative and z points up: density * gravity is zz = {:.4g}", weight));
+}
+
+/// Rock that is pulled at the middle of a tunnel before it is there, though not at the level of `stress`.
+void note_pull(const TableReader& table, const FieldStressSettings& settings, const Excavation& excavation) {
+  const std::vector<geometry::Vec3>& axis = excavation.tunnel->axis;
+  const double up = 0.5 * (axis[0].z + axis[1].z) - settings.level;
+  const std::array<std::size_t, 3> normals{0, 1, 2};
+  const auto pulls = [&](std::size_t i) { return settings.stress[i] + up * settings.gradient[i] > 0; };
+  if (std::ranges::none_of(normals, pulls)) return;
+  table.note("stress", fmt::format("pulls at the tunnel \"{}\", {:.4g} m above the level it is given at",
+                                   excavation.name, up),
+             "compression is negative here; turn the signs, or give the level of `stress`");
+}
+
 }  // namespace
 
 const KeyTable& field_stress_keys() {
@@ -173,10 +196,12 @@ std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, c
     table.missing("stress", "write stress = [xx, yy, zz, xy, yz, zx] in Pa, compression negative");
   }
   settings.stress = components(table, "stress");
-  if (std::max({settings.stress[0], settings.stress[1], settings.stress[2]}) > 0) {
+  const bool pulls = std::max({settings.stress[0], settings.stress[1], settings.stress[2]}) > 0;
+  if (pulls) {
     table.note("stress", "pulls: normal stresses above 0 are tension", "compression is negative here; turn the signs");
   }
   settings.gradient = components(table, "gradient");
+  note_gradient(table, settings.gradient[2], rock.mass.density());
   settings.level = table.value("level");
   settings.surface = table.number("surface");
   settings.stiffness_ratio = table.number("stiffness_ratio");
@@ -200,7 +225,10 @@ std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, c
     }
   }
   settings.tunnels = parse_tunnels(table, excavations);
-  for (const std::uint32_t tunnel : settings.tunnels) check_depth(table, settings, *excavations[tunnel].tunnel);
+  for (const std::uint32_t tunnel : settings.tunnels) {
+    check_depth(table, settings, *excavations[tunnel].tunnel);
+    if (!pulls) note_pull(table, settings, excavations[tunnel]);
+  }
   return settings;
 }
 

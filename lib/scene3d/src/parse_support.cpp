@@ -225,7 +225,13 @@ void parse_rings(const TableReader& table, const std::vector<Excavation>& excava
     ring.offset_along = metres(offset ? (*offset)[0] : 0);
     ring.offset_around = metres(offset ? (*offset)[1] : 0);
     if (arc) ring.arc = *arc;
-    if (!table.has("after_stage")) ring.after_stage = excavation.stage;
+    if (!table.has("after_stage")) {
+      ring.after_stage = excavation.stage;
+    } else if (ring.after_stage < excavation.stage) {
+      table.error("after_stage",
+                  fmt::format("is {}, and its tunnel is excavated in stage {}", ring.after_stage, excavation.stage),
+                  "without it bolts are installed after the stage of their tunnel");
+    }
     ring.stagger = table.flag("stagger");
     ring.inclination = table.value("inclination");
     const auto bolts = bolts_of(ring);
@@ -291,6 +297,8 @@ void parse_grid(const TableReader& owner, stability::GridPattern grid, SupportSe
 
 void parse_bolts(const TableReader& root, const std::vector<Excavation>& excavations, SupportSettings& support) {
   const std::vector<TableReader> tables = root.each("bolts");
+  std::uint32_t last_stage = 1;
+  for (const Excavation& excavation : excavations) last_stage = std::max(last_stage, excavation.stage);
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const TableReader& table = tables[i];
     support.groups.push_back(table.text("name").value_or(fmt::format("bolts {}", i + 1)));
@@ -305,6 +313,12 @@ void parse_bolts(const TableReader& root, const std::vector<Excavation>& excavat
       }
     };
     const auto stage = table.integer("after_stage").transform([](auto k) { return static_cast<std::uint32_t>(k); });
+    if (stage && *stage > last_stage) {
+      table.error("after_stage",
+                  fmt::format("is {}, and stage {} of the excavations is the last: the bolts would never be installed",
+                              *stage, last_stage),
+                  "name a stage of [[excavation]]");
+    }
     const Length l = metres(length.value_or(1));
     const stability::BoltType t = type.value_or(stability::BoltType{});
     if (kind->key == "tunnel") {
@@ -394,6 +408,31 @@ void parse_design(const TableReader& owner, SupportSettings& support) {
   support.design = std::move(design);
 }
 
+/// Bolts in one place with one direction: a table that was copied counts twice.
+void note_twice(const TableReader& table, const SupportSettings& support) {
+  const auto place = [](const stability::Bolt& b) {
+    return std::array{b.collar.x, b.collar.y, b.collar.z, b.direction.x, b.direction.y, b.direction.z};
+  };
+  std::vector<const stability::Bolt*> bolts;
+  for (const stability::Bolt& bolt : support.plan.bolts) bolts.push_back(&bolt);
+  const auto before = [&](const auto* a, const auto* b) { return place(*a) < place(*b); };
+  std::ranges::stable_sort(bolts, before);
+  std::size_t twice = 0;
+  const stability::Bolt *first = nullptr, *second = nullptr;
+  for (std::size_t k = 1; k < bolts.size(); ++k) {
+    if (place(*bolts[k - 1]) != place(*bolts[k])) continue;
+    if (twice++ > 0) continue;
+    first = bolts[k - 1];
+    second = bolts[k];
+  }
+  if (twice == 0) return;
+  table.note("bolts",
+             fmt::format("has {} where another stands with the same direction (of \"{}\" and \"{}\"): each counts",
+                         twice == 1 ? "1 bolt" : fmt::format("{} bolts", twice), support.groups[first->group],
+                         support.groups[second->group]),
+             "remove what was copied, or give it another place");
+}
+
 }  // namespace
 
 const KeyTable& support_keys() {
@@ -431,6 +470,7 @@ std::optional<SupportSettings> parse_support(const TableReader& root, const std:
   SupportSettings support;
   support.line = table.line();
   parse_bolts(table, excavations, support);
+  note_twice(table, support);
   parse_spot(table, support);
   parse_shotcrete(table, support);
   parse_design(table, support);

@@ -56,6 +56,10 @@ class Check final {
         looked_at_(complex.blocks().size(), std::uint8_t{0}) {}
 
   SupportResult run() {
+    for (const Batch& batch : analysis_->batches) {
+      for (const BlockId id : batch.blocks) model_.remove(id, batch.number);
+      last_state_ = batch.number + 1;
+    }
     find_needy();
     for (const Bolt& bolt : plan_->bolts) add_bolt(bolt, false);
     if (!result_.undecided.empty()) return std::move(result_);
@@ -192,7 +196,9 @@ class Check final {
   void note_border(BlockId id) {
     if (std::exchange(looked_at_[id], std::uint8_t{1}) != 0) return;
     const topology::Block& block = complex_->blocks()[id];
-    if (!block.fixed || block.truncated || gone_(id) || !motion_off_border(model_, id, 1)) return;
+    if (!block.fixed || block.truncated || gone_(id)) return;
+    // In place, or where the blocks that the bolts hold lay it bare.
+    if (!motion_off_border(model_, id, 1) && !motion_off_border(model_, id, last_state_)) return;
     result_.held_by_border.insert(std::ranges::lower_bound(result_.held_by_border, id), id);
   }
 
@@ -305,7 +311,8 @@ class Check final {
     const double rock = body.bare.resistance.least;
     entry.factor_with_shotcrete = (rock + hold) / body.bare.driving;
     const double lack = body.target * body.bare.driving - rock;
-    entry.needed_thickness = perimeter > 0 ? lack / (perimeter * layer.shear_strength.si()) : infinite;
+    const bool bonds = !layer.adhesion || perimeter * layer.bond_width.si() * layer.adhesion->si() >= lack;
+    if (perimeter > 0 && bonds) entry.needed_thickness = lack / (perimeter * layer.shear_strength.si());
     return hold;
   }
 
@@ -452,7 +459,8 @@ class Check final {
   const Analysis* analysis_;
   const Analysis* pushing_;
   const SupportPlan* plan_;
-  Model model_;
+  Model model_;  ///< in state 1 all blocks are there
+  std::uint32_t last_state_ = 1;
   TruncatedBlocks truncated_blocks_;
   BoltPaths paths_;
   std::function<bool(BlockId)> gone_;          ///< scaled off before the support

@@ -209,7 +209,9 @@ struct SupportedBlock {
   /// The blocks that pass it have to be held.
   bool passed_on = false;
   double missing_force = 0;                     ///< N beyond all support, 0 when held
-  std::optional<double> needed_thickness = {};  ///< m of shotcrete; empty without shotcrete
+  /// m of shotcrete that would hold it alone; empty without shotcrete, and where none would: it has no edge against rock
+  /// that stays, or the bond along it gives way first.
+  std::optional<double> needed_thickness = {};
 };
 
 /// Blocks stitched together by bolts, tested as one body (step 2). Fixed blocks are never members: bolts that end in
