@@ -149,8 +149,9 @@ TEST(Sequence, SupportIsCheckedStageByStage) {
 
 TEST(Sequence, BoltsThatAreNeverInstalledAreRefused) {
   const auto bolts = [](const std::string& more) {
-    return with_box(std::string{two_stages} + "[[support.bolts]]\nlength = 3\ntendon_capacity = 200e3\n"
-                                              "plate_capacity = 200e3\nbond_strength = 1e6\nanchorage = 0.3\n" +
+    return with_box(std::string{two_stages} +
+                    "[[support.bolts]]\nlength = 3\ntendon_capacity = 200e3\n"
+                    "plate_capacity = 200e3\nbond_strength = 1e6\nanchorage = 0.3\n" +
                     more);
   };
   const std::string single = "at = [[4.2, 4, 2]]\ndirection = [0, 0, 1]\nafter_stage = ";
@@ -160,8 +161,9 @@ TEST(Sequence, BoltsThatAreNeverInstalledAreRefused) {
   const std::string second =
       "[[excavation]]\nname = \"t\"\nstage = 5\nkind = \"tunnel\"\nsection = { shape = \"circle\", radius = 0.5 }\n"
       "axis = [[1, 0, 5], [1, 8, 5]]\n";
-  const std::string rings = second + "[[support.bolts]]\nlength = 1\ntendon_capacity = 200e3\nbond_strength = 1e6\n"
-                                     "anchorage = 0.3\nplate_capacity = 200e3\ntunnel = \"t\"\nspacing = [1, 1]\n";
+  const std::string rings = second +
+                            "[[support.bolts]]\nlength = 1\ntendon_capacity = 200e3\nbond_strength = 1e6\n"
+                            "anchorage = 0.3\nplate_capacity = 200e3\ntunnel = \"t\"\nspacing = [1, 1]\n";
   EXPECT_TRUE(parse_text(with_box(std::string{two_stages} + rings)).has_value());
   EXPECT_TRUE(parse_text(with_box(std::string{two_stages} + rings + "after_stage = 5\n")).has_value());
   EXPECT_TRUE(error_of(with_box(std::string{two_stages} + rings + "after_stage = 2\n"))

@@ -99,6 +99,37 @@ TEST(TerminateAt, IntensitiesAreThoseAskedFor) {
   EXPECT_EQ(scene_of(counted).joint_sets[0].law.area_share(), 1);
 }
 
+// A small box holds few joints: one trial says little of what is left of them.
+TEST(TerminateAt, IntensitiesOfSmallBoxesAreThoseAskedFor) {
+  const std::string text =
+      "[domain]\nbox = { min = [0, 0, 0], max = [12, 10, 8] }\n"
+      "[[joint_set]]\nname = \"P\"\norientation = { dip = 55, dip_direction = 20, distribution = \"fisher\", kappa = 5 "
+      "}\n"
+      "size = { distribution = \"lognormal\", mean = 4, std = 1.5, max = 12 }\nintensity = { p32 = 0.4 }\n"
+      "[[joint_set]]\nname = \"A\"\norientation = { dip = 55, dip_direction = 130, distribution = \"fisher\", kappa = "
+      "5 "
+      "}\nsize = 4\nmodel = \"enhanced_baecher\"\nterminate_at = [\"P\"]\nintensity = { p32 = 0.8 }\n";
+  const Scene scene = scene_of(text);
+  const Box domain{{0, 0, 0}, {12, 10, 8}};
+  double sum = 0, squares = 0;
+  constexpr std::uint64_t realizations = 400;
+  for (std::uint64_t k = 0; k < realizations; ++k) {
+    const auto drawn = sample(scene, k);
+    ASSERT_TRUE(drawn.has_value());
+    double p32 = 0;
+    for (std::size_t j = 0; j < drawn->input.joints.size(); ++j) {
+      if (drawn->sets[drawn->joints[topology::JointId{j}].set].name != "A") continue;
+      const auto corners = std::get<topology::Joint>(drawn->input.joints[j]).polygons.front().corners();
+      p32 += geometry::norm(area_within({corners.begin(), corners.end()}, domain)) / 960;
+    }
+    sum += p32;
+    squares += p32 * p32;
+  }
+  const double mean = sum / realizations;
+  const double error = std::sqrt((squares / realizations - mean * mean) / realizations);
+  EXPECT_NEAR(mean, 0.8, 3 * error + 0.02 * 0.8);  // and twice the trials' own error
+}
+
 TEST(TerminateAt, GivenJointsCountToo) {
   const std::string fault =
       "[[joint]]\nset = \"fault\"\nplane = { through = [10, 10, 10], dip = 90, dip_direction = 90 }\n";

@@ -167,8 +167,9 @@ TEST(UnusualInputs, PatternsAndLawsThatHoldNothing) {
             (Said{"support.bolts[1].free_length is 6.5 m, and the cable is 8 m long: less than its anchorage of 2 m is "
                   "left to grip, and none holds anything"}));
   // One that was copied counts twice.
-  const std::string single = "\n[[support.bolts]]\nname = \"spot\"\nat = [[4, 4, 4]]\ndirection = [0, 0, 1]\nlength = 1.5\n"
-                             "tendon_capacity = 200e3\nplate_capacity = 100e3\nbond_strength = 200e3\nanchorage = 0.5\n";
+  const std::string single =
+      "\n[[support.bolts]]\nname = \"spot\"\nat = [[4, 4, 4]]\ndirection = [0, 0, 1]\nlength = 1.5\n"
+      "tendon_capacity = 200e3\nplate_capacity = 100e3\nbond_strength = 200e3\nanchorage = 0.5\n";
   const std::string rings = "spacing = [1.5, 1.5]\nlength = 4\nanchorage = 0.5\n";
   EXPECT_EQ(with(rings + single), Said{});
   EXPECT_EQ(with(rings + single + single),

@@ -390,7 +390,8 @@ TEST(SupportTest, ShotcreteHoldsSmallFacesByTheirPerimeter) {
   EXPECT_EQ(check_support(large.complex, large.with, large.analysis, plan).blocks[0].held, Held::shotcrete);
   plan.shotcrete->thickness *= 0.5;
   EXPECT_EQ(check_support(large.complex, large.with, large.analysis, plan).blocks[0].held, Held::not_held);
-  // 12 m of edge, 0.03 m wide, bond with 144 and 216 kN: where the bond gives way first no thickness holds 1.5 x 100 kN.
+  // 12 m of edge, 0.03 m wide, bond with 144 and 216 kN: where the bond gives way first no thickness holds 1.5 x 100
+  // kN.
   for (const double adhesion : {0.4e6, 0.6e6}) {
     plan.shotcrete->adhesion = pascals(adhesion);
     const auto bonded = check_support(large.complex, large.with, large.analysis, plan).blocks.at(0);

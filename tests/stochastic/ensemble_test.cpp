@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -302,6 +303,37 @@ TEST(EnsembleTest, NoMeanOfVolumesIsAboveTheRockThereIs) {
     EXPECT_EQ(find(e, name).low, find(f, name).low) << name;
   }
   EXPECT_EQ(find(e, "support_force_n").high, find(f, "support_force_n").high);
+}
+
+// A mean of nothing but zeros has no interval of its own: of volumes the chance to meet one bounds it, of what has no
+// largest size nothing does.
+TEST(EnsembleTest, WhatNoRealizationHasMayBeMetAllTheSame) {
+  EnsembleOptions bounded = options();
+  bounded.rock = Volume::from_si(5000);
+  Ensemble none{bounded}, one{bounded};
+  for (std::uint64_t k = 0; k < 30; ++k) {
+    none.add(record(k, {}), "n");
+    one.add(record(k, k == 3 ? std::vector<double>{2} : std::vector<double>{}), "o");
+  }
+  const Figures f = none.figures(), some = one.figures();
+  const double met = 1 - std::pow(0.025, 1.0 / 30);
+  EXPECT_NEAR(find(f, "probability_of_failure").high, met, 1e-9);
+  for (const std::string_view name : {"key_block_volume_m3", "key_block_largest_m3"}) {
+    EXPECT_EQ(find(f, name).low, 0) << name;
+    EXPECT_NEAR(find(f, name).high, 5000 * met, 1e-5) << name;
+  }
+  EXPECT_EQ(find(f, "key_block_count").high, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(std::ranges::find(f.estimates, "key_block_mean_volume_per_realization_m3", &Estimate::name),
+            f.estimates.end());
+  const auto says = [](const Figures& figures, std::string_view name) {
+    return std::ranges::any_of(figures.notes, [&](const std::string& n) {
+      return n.starts_with("seen in none of 30 samples") && n.contains(name);
+    });
+  };
+  EXPECT_TRUE(says(f, "key_block_count"));
+  EXPECT_FALSE(says(f, "block_mean_volume"));
+  EXPECT_FALSE(says(some, "key_block_count"));
+  EXPECT_LT(find(some, "key_block_count").high, 1);
 }
 
 // The largest pressure on a block hangs on the thinnest sliver met: its mean is no figure to go by, and says so.

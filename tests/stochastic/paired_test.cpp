@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "cleave/core/rng.hpp"
 
@@ -54,6 +55,19 @@ TEST(PairedTest, DifferencesByHand) {
 }
 
 // Known answer of e^{1.1 u} - e^{u}: its variance is 0.571 with independent u and 0.0066 with common ones.
+// Pairs that never differ say nothing of how much they may.
+TEST(PairedTest, NoIntervalWhereNoPairDiffers) {
+  PairedComparison pairs;
+  for (std::uint64_t k = 0; k < 5; ++k) {
+    pairs.add(with(k, static_cast<double>(k + 1), k == 2 ? 2 : 1), with(k, static_cast<double>(k + 1)));
+  }
+  const auto rows = pairs.estimates(0.95);
+  EXPECT_EQ(row(rows, "key_block_volume_m3").difference, 0);
+  EXPECT_EQ(row(rows, "key_block_volume_m3").interval.high, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(row(rows, "key_block_volume_m3").interval.low, -std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isfinite(row(rows, "key_block_count").interval.high));
+}
+
 TEST(PairedTest, CommonNumbersShrinkTheVarianceOfADifference) {
   PairedComparison pairs;
   for (std::uint64_t k = 0; k < 20000; ++k) {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -49,8 +50,11 @@ std::string text_of(const std::vector<PairedEstimate>& rows) {
   std::string text = fmt::format("{:<40} {:>12} {:>12} {:>12} {:>11}  {:<26} {:>7}\n", "quantity", "first", "second",
                                  "difference", "error", "interval", "gain");
   for (const PairedEstimate& r : rows) {
-    text += fmt::format("{:<40} {:>12.5g} {:>12.5g} {:>12.4g} {:>11.3g}  [{:.4g}, {:.4g}]{:>{}}\n", r.name, r.first,
-                        r.second, r.difference, r.standard_error, r.interval.low, r.interval.high,
+    const std::string interval = std::isfinite(r.interval.high)
+                                     ? fmt::format("[{:.4g}, {:.4g}]", r.interval.low, r.interval.high)
+                                     : std::string{"no pair differs"};
+    text += fmt::format("{:<40} {:>12.5g} {:>12.5g} {:>12.4g} {:>11.3g}  {}{:>{}}\n", r.name, r.first, r.second,
+                        r.difference, r.standard_error, interval,
                         r.gain ? fmt::format("{:.3g}", *r.gain) : std::string{"-"}, 8);
   }
   return text;
@@ -70,8 +74,8 @@ std::string json_of(const std::vector<PairedEstimate>& rows, const std::string& 
         q("second", r.second);
         q("difference", r.difference);
         q("standard_error", r.standard_error);
-        q("low", r.interval.low);
-        q("high", r.interval.high);
+        q("low", or_null(r.interval.low));
+        q("high", or_null(r.interval.high));
         q("correlation", r.correlation);
         q("gain", r.gain);
       }));

@@ -36,8 +36,10 @@ std::string figures_text(const report::MonteCarloPage& page) {
     text += say("excavated    {name}, {volume_m3:.6g} m3\n", e);
   }
   const auto line = [](const Estimate& e) {
-    return fmt::format("  {:<44} ", e.name) + say("{mean:>12.5g} +- {standard_error:<10.3g} [{low:.5g}, {high:.5g}]\n",
-                                                  group([&](auto& v) { mean_fields(v, e); }));
+    return fmt::format("  {:<44} ", e.name) +
+           say(std::isfinite(e.high) ? "{mean:>12.5g} +- {standard_error:<10.3g} [{low:.5g}, {high:.5g}]\n"
+                                     : "{mean:>12.5g} +- {standard_error:<10.3g} [{low:.5g}, not known]\n",
+               group([&](auto& v) { mean_fields(v, e); }));
   };
   for (const Estimate& e : f.estimates) {
     if (!e.name.starts_with("share") && !e.name.starts_with("first_batch_share")) text += line(e);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 
 #include "cleave/exchange/text.hpp"
@@ -9,7 +10,10 @@
 namespace cleave::report::detail {
 
 inline std::string percent(double share, int digits = 3) { return display(100 * share, digits) + " %"; }
-inline std::string interval(double low, double high) { return display(low) + " … " + display(high); }
+inline std::string interval(double low, double high) {
+  const auto end = [](double value) { return std::isfinite(value) ? display(value) : std::string{"not known"}; };
+  return end(low) + " … " + end(high);
+}
 
 /// Size distribution of the blocks, with its band.
 [[nodiscard]] std::string block_size_figure(const stochastic::Figures& f);

@@ -17,8 +17,9 @@ namespace {
 using geometry::Vec3;
 
 constexpr std::uint64_t trial_seed = 0x7472'6961'6c73ULL;
-constexpr int most_trials = 20;
-constexpr double enough_joints = 4000, most_pairs = 2e7;
+constexpr int least_trials = 20, most_trials = 2000;
+constexpr double close_enough = 0.01;  // standard error of the share, relative
+constexpr double most_joints = 2e5, most_pairs = 2e7;
 
 bool by_area(const dfn::JointSet& set) {
   const dfn::Intensity& i = set.spec().intensity;
@@ -63,7 +64,14 @@ class Trials final {
     const Box box{middle_ - size * half_, middle_ + size * half_};
     const dfn::DomainBox domain{box.min, box.max};
     double before = 0, after = 0, joints = 0;
-    for (int trial = 0; trial < most_trials && joints < enough_joints; ++trial) {
+    std::vector<std::pair<double, double>> areas;
+    const auto settled = [&] {
+      if (areas.size() < least_trials || !(after > 0)) return false;
+      double squares = 0;
+      for (const auto& [whole_area, left] : areas) squares += std::pow(left - after / before * whole_area, 2);
+      return std::sqrt(squares) <= close_enough * after;
+    };
+    for (int trial = 0; trial < most_trials && joints < most_joints && !settled(); ++trial) {
       drawn_.assign(scene_.joint_sets.size(), {});
       for (const std::size_t i : order) {
         auto own = draw(scene_.joint_sets[i].law, i, domain, trial);
@@ -72,8 +80,9 @@ class Trials final {
       }
       auto uncut = draw(whole, number, domain, trial);
       if (!uncut) return 1;
-      before += area_of(*uncut, box);
-      after += area_of(drawn_[number], box);
+      areas.emplace_back(area_of(*uncut, box), area_of(drawn_[number], box));
+      before += areas.back().first;
+      after += areas.back().second;
       joints += static_cast<double>(uncut->size());
     }
     return before > 0 ? std::clamp(after / before, 0.01, 1.0) : 1;

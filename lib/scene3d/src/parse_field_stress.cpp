@@ -153,8 +153,8 @@ void note_pull(const TableReader& table, const FieldStressSettings& settings, co
   const std::array<std::size_t, 3> normals{0, 1, 2};
   const auto pulls = [&](std::size_t i) { return settings.stress[i] + up * settings.gradient[i] > 0; };
   if (std::ranges::none_of(normals, pulls)) return;
-  table.note("stress", fmt::format("pulls at the tunnel \"{}\", {:.4g} m above the level it is given at",
-                                   excavation.name, up),
+  table.note("stress",
+             fmt::format("pulls at the tunnel \"{}\", {:.4g} m above the level it is given at", excavation.name, up),
              "compression is negative here; turn the signs, or give the level of `stress`");
 }
 

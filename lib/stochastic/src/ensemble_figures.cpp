@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -56,6 +57,23 @@ Estimate Ensemble::estimate(std::string name, const Moments& m, const Tail& tail
                   tail, m.count(), options_.confidence);
     e.low = m.smallest() >= 0 ? std::max(0.0, t.low) : t.low;
     e.high = upper_end(e.name, e.mean, t.high);
+  }
+  // What no realization has may be met all the same: of its mean no more is known than how often, and of volumes how
+  // large at the most.
+  if (m.count() > 0 && m.smallest() == 0 && m.largest() == 0) {
+    const double met = clopper_pearson(0, std::max<std::uint64_t>(units_, 1), options_.confidence).high;
+    const bool of_blocks = e.name.ends_with("_m3") && options_.rock;
+    e.high = of_blocks ? met * options_.rock->si() : std::numeric_limits<double>::infinity();
+  }
+  return e;
+}
+
+/// May have either sign. Without a realization that differs nothing is known of it.
+Estimate Ensemble::difference(std::string name, const Moments& moments) const {
+  Estimate e = estimate(std::move(name), moments, {}, Method::mean);
+  if (moments.smallest() == 0 && moments.largest() == 0) {
+    e.high = std::numeric_limits<double>::infinity();
+    e.low = -e.high;
   }
   return e;
 }
@@ -134,12 +152,11 @@ Interval Ensemble::probability_interval(const Moments& hits) const {
 
 void Ensemble::add_orders(Figures& figures) const {
   for (const OrderMoments& order : orders_) {
-    figures.orders.push_back(
-        {.key_blocks = estimate("key_blocks", order.count, order.count_tail, Method::mean),
-         .key_m3 = estimate("key_m3", order.volume, order.volume_tail, Method::mean),
-         .key_blocks_minus_first = estimate("key_blocks_minus_first", order.count_difference, {}, Method::mean),
-         .key_m3_minus_first = estimate("key_m3_minus_first", order.volume_difference, {}, Method::mean),
-         .share_best = order.best.mean()});
+    figures.orders.push_back({.key_blocks = estimate("key_blocks", order.count, order.count_tail, Method::mean),
+                              .key_m3 = estimate("key_m3", order.volume, order.volume_tail, Method::mean),
+                              .key_blocks_minus_first = difference("key_blocks_minus_first", order.count_difference),
+                              .key_m3_minus_first = difference("key_m3_minus_first", order.volume_difference),
+                              .share_best = order.best.mean()});
   }
 }
 
@@ -191,7 +208,7 @@ void Ensemble::add_estimates(Figures& figures) const {
       figures.estimates.push_back(std::move(e));
     }
   }
-  if (options_.stability) {
+  if (options_.stability && mean_volume_per_realization_.count() > 0) {
     figures.estimates.push_back(estimate("key_block_mean_volume_per_realization_m3", mean_volume_per_realization_,
                                          mean_volume_per_realization_tail_, Method::mean_of_ratios));
   }
@@ -268,6 +285,18 @@ void Ensemble::add_notes(Figures& figures) const {
         fmt::format("long tails seen in few of {} samples: the intervals of these may be optimistic, they cover up to "
                     "some per cent less than they say: {}",
                     units_, heavy));
+  }
+  std::string unseen;
+  for (const Estimate& e : figures.estimates) {
+    const bool mean = e.method == Method::mean && e.smallest == 0 && e.largest == 0 && e.high > 0;
+    const Quantity* quantity = quantity_named(e.name);
+    if (mean && quantity != nullptr && !quantity->probability) unseen += (unseen.empty() ? "" : ", ") + e.name;
+  }
+  if (!unseen.empty()) {
+    figures.notes.push_back(fmt::format(
+        "seen in none of {} samples, so that no mean is known but for an upper end of volumes (the chance to meet one "
+        "times all of the rock): {}",
+        units_, unseen));
   }
   if (figures.failures > 0) {
     figures.notes.push_back(

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "cleave/core/assert.hpp"
 #include "cleave/stochastic/ensemble.hpp"
@@ -66,6 +67,9 @@ std::vector<PairedEstimate> PairedComparison::estimates(double confidence) const
                        .interval = t_interval(p.difference.mean(), p.difference.standard_error(), n, confidence),
                        .correlation = 0,
                        .gain = {}};
+    if (p.difference.smallest() == 0 && p.difference.largest() == 0) {
+      row.interval = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+    }
     const double spread = p.first.std() * p.second.std();
     const double covariance = (p.sum.variance() - p.difference.variance()) / 4;
     if (spread > 0) row.correlation = std::clamp(covariance / spread, -1.0, 1.0);

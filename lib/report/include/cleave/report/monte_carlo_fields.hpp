@@ -21,8 +21,8 @@ template <class V>
 void mean_fields(V& v, const Estimate& x) {
   v("mean", x.mean);
   v("standard_error", x.standard_error);
-  v("low", x.low);
-  v("high", x.high);
+  v("low", or_null(x.low));
+  v("high", or_null(x.high), "null: no realization has any, so that nothing is known of its size");
 }
 template <class V>
 void fields(V& v, const SizePoint& x) {

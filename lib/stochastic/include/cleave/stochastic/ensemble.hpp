@@ -44,6 +44,8 @@ struct Estimate {
   std::string name;
   Method method = Method::mean;
   std::uint64_t realizations = 0;
+  /// `high` of what no realization has: of volumes the chance to meet one (Clopper-Pearson) times all of the rock, else
+  /// infinite; of differences that never are any both ends are.
   double mean = 0, standard_error = 0, low = 0, high = 0, std = 0, skewness = 0, smallest = 0, largest = 0;
   /// A long tail seen in few realizations: the interval may cover some per cent less than it says.
   bool optimistic = false;
@@ -296,6 +298,7 @@ class Ensemble final {
   [[nodiscard]] double upper_end(std::string_view name, double mean, double high) const;
   /// `most`: independent trials that there can be at most.
   [[nodiscard]] Interval share_interval(const PairMoments& pair, double most) const;
+  [[nodiscard]] Estimate difference(std::string name, const Moments& moments) const;
   [[nodiscard]] Estimate ratio_estimate(std::string name, const PairMoments& pair, const Tail& tail, bool share) const;
   [[nodiscard]] double probability_of(const Moments& hits) const;
   [[nodiscard]] Interval probability_interval(const Moments& hits) const;

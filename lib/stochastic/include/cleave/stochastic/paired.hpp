@@ -18,7 +18,7 @@ struct PairedEstimate {
   double first = 0, second = 0;  ///< means
   double difference = 0;         ///< mean of second - first
   double standard_error = 0;     ///< of the difference, from the paired differences
-  Interval interval;             ///< Student's t
+  Interval interval;             ///< Student's t; without ends where no pair differs
   double correlation = 0;        ///< of the two designs over the realizations; 0 without spread
   /// Variance of the difference with independent random numbers over that with common ones: so many times fewer
   /// realizations. Empty when the designs never differ or never vary.
