@@ -302,6 +302,11 @@ TEST(LoadsScene, CasesThatChangeNothingOrHelpAreSaid) {
   EXPECT_EQ(notes_with(run_with("seismic = [-0.1, 0, 0]"), sign), 1U);
   EXPECT_EQ(notes_with(run_with("seismic = [0.1, 0, 0]"), sign), 0U);
   EXPECT_EQ(notes_with(run_with("water = { table = 3 }"), sign), 0U);
+  // What slides with friction alone has the same factor at any weight, and less to be held at less of it.
+  std::string sliding = slab_on_twenty;
+  sliding.replace(sliding.find("friction = 30"), 13, "friction = 10");
+  EXPECT_EQ(notes_with(run_of(sliding + load("seismic = [0, 0, 0.5]")), sign), 1U);
+  EXPECT_EQ(notes_with(run_of(sliding + load("seismic = [0, 0, -0.5]")), sign), 0U);
 }
 
 // A slab on 20 degrees with 30 of friction: 1.586. What a case does not state is that of [stability].

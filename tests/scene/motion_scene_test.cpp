@@ -73,6 +73,14 @@ std::string shaken(const std::string& motion) {
 
 // Newmark's equation of motion integrated in steps of 5e-6 s, as of the same block in two dimensions. The rows of
 // the balance of energy are of the block as seen from the ground.
+// 0 of n blocks that moved is no answer while they still begin to.
+TEST(MotionScene, ATimeTooShortToSeeMotionIsSaid) {
+  const auto says = [](const RunResult& result) { return notes_with(result, "set a longer motion.duration"); };
+  EXPECT_EQ(says(moved(slab(20, "duration = 0.01\nstep = 0.005\n"))), 1U);
+  EXPECT_EQ(says(moved(slab(20, "duration = 0.3\nstep = 0.005\n"))), 0U);
+  EXPECT_EQ(says(moved(slab(45, "release = \"all\"\nduration = 0.3\nstep = 0.005\n"))), 0U);
+}
+
 TEST(MotionScene, SlidesUnderARecordAsNewmarkSays) {
   const RunResult result = moved(shaken("duration = 4\nstep = 0.002\n[motion.ground.record]\n" + record_of_example()));
   const MotionResult& motion = *result.motion;

@@ -303,6 +303,11 @@ void add_notes(const Scene& scene, const MotionResult& result, std::vector<std::
   if (scene.motion->to_rest && !result.at_rest && result.converged && !result.blocks.empty()) {
     notes.push_back(fmt::format("motion: not at rest after {:g} s; set a longer motion.duration", result.end.si()));
   }
+  if (!scene.motion->to_rest && !result.at_rest && result.converged && !result.blocks.empty() && result.moved() == 0) {
+    notes.push_back(fmt::format(
+        "motion: in {:g} s no block moved by a millimetre, but they are not at rest: set a longer motion.duration",
+        result.end.si()));
+  }
   if (result.rough_steps > 0) {
     notes.push_back(
         fmt::format("motion: in {} of {} steps no answer met the contact law to {:g}; the best one was taken, residual "
