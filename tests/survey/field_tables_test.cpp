@@ -217,12 +217,12 @@ TEST(FieldTables, NamesAreTextAndFilesOfSetsCanBeRead) {
   EXPECT_TRUE(error_of(poles,
                        "dip,dip_direction,set\n60,120,a\x01"
                        "b\n")
-                  .contains("t.csv:2: file: holds control"));
+                  .contains("t.csv:2: file: a cell holds control"));
   EXPECT_TRUE(
       error_of(poles, "dip,dip_direction,set\n60,120,\xe4\n").contains("t.csv:2: set: \"\xEF\xBF\xBD\" is not"));
   const std::string line = "[[scanline]]\ntrend = 0\nplunge = 0\nlength = 20\nfile = \"t.csv\"\n";
   EXPECT_TRUE(error_of(line, "distance,dip,dip_direction,set\n1,60,120,\xe4\n").contains("is not UTF-8 text"));
-  const std::string table = "distance,dip,dip_direction,set\n1,60,120,\"a\\\" = \xC3\xA4\"\n2,61,121,b]#\n";
+  const std::string table = "distance,dip,dip_direction,set\n1,60,120,\"a\\\"\" = \xC3\xA4\"\n2,61,121,b]#\n";
   const auto survey = parse_survey(
       line, "two\n[lines]\x7f\xff.toml",
       [&](const std::string& name) -> std::expected<LoadedFile, FileRefusal> { return LoadedFile{table, name}; });
@@ -233,6 +233,34 @@ TEST(FieldTables, NamesAreTextAndFilesOfSetsCanBeRead) {
       "schema = 1\ninclude = [\"s.toml\"]\n[domain]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n", "scene.toml",
       [&](const std::string& name) -> std::expected<LoadedFile, FileRefusal> { return LoadedFile{sets.toml, name}; });
   ASSERT_TRUE(scene.has_value()) << describe(scene.error().front());
+}
+
+// Rows with more or fewer cells than columns were read from the left, and quotes did not hold a cell together:
+// "60,5","240,5" was 60/005, and a set "A, west" was A.
+TEST(FieldTables, CellsAreThoseOfTheColumns) {
+  const std::string both = "dip,dip_direction\n";
+  EXPECT_TRUE(error_of(poles, both + "60,5,240,5\n")
+                  .contains("t.csv:2: row: 4 cells, the header has 2; give every "
+                            "column; with decimal commas separate columns by"));
+  EXPECT_TRUE(error_of(poles, both + "60\n").contains("t.csv:2: row: 1 cells, the header has 2"));
+  EXPECT_TRUE(error_of(poles + "columns = [\"dip\", \"dip_direction\"]\n", "60 240 5\n").contains("`columns` has 2"));
+  EXPECT_TRUE(error_of(poles, both + "\"60,5\",\"240,5\"\n")
+                  .contains("t.csv:2: dip: \"60,5\" is not a number; write a decimal point; with decimal commas"));
+  EXPECT_TRUE(
+      error_of(poles, "dip,dip_direction,set\n60,40,\"A\n west\"\n").contains("t.csv:2: set: holds a line end"));
+  EXPECT_TRUE(error_of(poles, "dip,dip_direction,set\n60,40,\"A\n").contains("a quoted cell is not closed"));
+  const auto named = read(poles, "dip,dip_direction,set\n60,40,\"A, west\"\n60,40, B ,,\n,,\n\"60\",\"40\",C \"c\"\n");
+  ASSERT_EQ(named.size(), 3U);
+  EXPECT_EQ(named[0].set, "A, west");
+  EXPECT_EQ(named[1].set, "B");
+  EXPECT_EQ(named[2].set, "C \"c\"");
+  for (const char* table : {"dip;dip_direction;set\n60,5;\"240,5\";St. 1\n", "dip\tset\tdip_direction\n60.5\t\t240.5\n",
+                            "dip dip_direction  set\n 60.5\t240.5 \"A b\" \n"}) {
+    const auto rows = read(poles, table);
+    ASSERT_EQ(rows.size(), 1U) << table;
+    expect_plane(rows[0].normal, 60.5, 240.5);
+  }
+  EXPECT_TRUE(error_of(poles, "dip;dip_direction\n60,5;240.5\n").contains("use decimal points, or decimal commas"));
 }
 
 // Sets of which Fisher's law does not hold take their poles from a file each, whatever their names have in common.

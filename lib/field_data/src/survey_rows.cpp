@@ -166,6 +166,10 @@ std::string set_of_row(InputContext& context, const LoadedFile& file, const Surv
     context.problems.error_in(file.shown, row.line, "set", fmt::format("\"{}\" is not UTF-8 text", on_one_line(name)),
                               "save the table as UTF-8");
   }
+  if (has_control_characters(name)) {
+    context.problems.error_in(file.shown, row.line, "set", "holds a line end or control characters",
+                              "give the set a name on one line");
+  }
   return name;
 }
 

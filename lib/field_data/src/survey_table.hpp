@@ -13,7 +13,7 @@
 namespace cleave::scene {
 
 /// A table of field data: comma, semicolon, tab or blank separated, with a header, or with the columns that the survey
-/// names. Lines that begin with # are skipped.
+/// names; cells as io::CsvRows takes them.
 struct SurveyTable {
   struct Row {
     std::uint32_t line;
@@ -23,6 +23,7 @@ struct SurveyTable {
   std::vector<std::string> heads;    ///< as they are written
   std::vector<const Unit*> units;    ///< behind each name in brackets; null: in that of the column
   std::vector<Row> rows;
+  char separator = 0;
 
   [[nodiscard]] std::optional<std::size_t> column(std::string_view name) const;
 };
