@@ -66,6 +66,30 @@ TEST(TraceMapTest, CoordinatesWithDecimalCommas) {
   EXPECT_EQ(map_of("1.5,2.5,3.5,4.5\n", "a.txt").lines.size(), 1U);
 }
 
+// Ten metres in degrees are 1e-4: a P32 of thousands came of maps whose crs says that they are in degrees.
+TEST(TraceMapTest, MapsInDegreesAreRefused) {
+  const auto map = [](const std::string& crs, const std::string& start) {
+    return R"({"type":"LineString",)" + crs + R"("coordinates":[)" + start + ",[11.50001,48.00003]]}";
+  };
+  const auto named = [](const std::string& name) {
+    return R"("crs":{"type":"name","properties":{"name":")" + name + "\"}},";
+  };
+  EXPECT_TRUE(refused(map("", "[11.5,48]"), "a.geojson").contains("seems to be in degrees"));
+  for (const std::string name :
+       {"urn:ogc:def:crs:OGC:1.3:CRS84", "EPSG:4326", "urn:ogc:def:crs:EPSG::4326", "EPSG:4258",
+        "urn:ogc:def:crs:EPSG::4937", "http://www.opengis.net/def/crs/EPSG/0/4269", "WGS 84", "EPSG:7844"}) {
+    const std::string why = refused(map(named(name), "[11.5,48]"), "a.geojson");
+    EXPECT_TRUE(why.contains("is in degrees: its crs is") && why.contains("project it to metres")) << name << why;
+  }
+  EXPECT_TRUE(
+      refused(map(R"("crs":{"type":"EPSG","properties":{"code":4326}},)", "[11.5,48]"), "a.json").contains("4326"));
+  // Local coordinates of a projected system, and one of the few projected ones with a number of 4000 and more.
+  for (const std::string name : {"EPSG:25832", "urn:ogc:def:crs:EPSG::3067", "WGS 84 / UTM zone 32N", ""}) {
+    EXPECT_EQ(map_of(map(named(name), "[11.5,48]"), "a.geojson").lines.size(), 1U) << name;
+  }
+  EXPECT_EQ(map_of(map(named("EPSG:4547"), "[500000,48]"), "a.geojson").lines.size(), 1U);
+}
+
 // Columns dip, dip_direction and set of a map were left out without a word.
 TEST(TraceMapTest, ColumnsThatAreNotReadAreSaid) {
   EXPECT_TRUE(map_of("x1,y1,x2,y2,\n0,0,1,2,\n", "a.csv").notes.empty());

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "cleave/core/expected.hpp"
+#include "cleave/core/text.hpp"
 #include "cleave/core/units.hpp"
 #include "cleave/io/field_tables.hpp"
 #include "csv_table.hpp"
@@ -79,6 +80,36 @@ bool add_geometry(const Json& geometry, TraceMap& map, std::size_t& skipped) {
   return true;
 }
 
+/// The name of its coordinate system, in lower case: "urn:ogc:def:crs:epsg::25832", "epsg:4326".
+std::string crs_of(const Json& root) {
+  if (!root.contains("crs") || !root["crs"].is_object()) return {};
+  const Json& crs = root["crs"];
+  if (!crs.contains("properties") || !crs["properties"].is_object()) return {};
+  const Json& properties = crs["properties"];
+  for (const char* key : {"name", "code", "href"}) {
+    if (!properties.contains(key)) continue;
+    if (properties[key].is_string()) return lower(properties[key].get<std::string>());
+    if (properties[key].is_number_integer()) return "epsg:" + std::to_string(properties[key].get<std::int64_t>());
+  }
+  return {};
+}
+
+/// Whether a system counts in degrees, by its name or its number. Numbers from 4000 to 4999 are geographic systems but
+/// for a few; with coordinates of hundreds and more these few are not taken for degrees.
+bool is_geographic(std::string_view crs) {
+  constexpr std::array<std::string_view, 3> longitudes{"crs84", "crs83", "crs27"};
+  if (std::ranges::any_of(longitudes, [&](std::string_view word) { return crs.contains(word); })) return true;
+  constexpr std::array<std::string_view, 7> names{"wgs 84", "wgs84", "wgs_84", "gcs_", "etrs89", "nad83", "nad27"};
+  const bool projected = crs.find_first_of("/+") != std::string_view::npos || crs.contains("utm");
+  if (!projected && std::ranges::any_of(names, [&](std::string_view word) { return crs.starts_with(word); }))
+    return true;
+  const std::size_t first = crs.find_last_not_of("0123456789");
+  const std::string_view digits = crs.substr(first == std::string_view::npos ? 0 : first + 1);
+  const auto code = plain_number(digits);
+  constexpr std::array<double, 9> others{5498, 6318, 6319, 6668, 6706, 7844, 8997, 9057, 9777};
+  return code && ((*code >= 4000 && *code < 5000) || std::ranges::find(others, *code) != others.end());
+}
+
 std::expected<TraceMap, ReadError> parse_geojson(std::string_view bytes, std::string_view name) {
   const Json root = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
   if (root.is_discarded() || !root.is_object()) {
@@ -99,7 +130,8 @@ std::expected<TraceMap, ReadError> parse_geojson(std::string_view bytes, std::st
     return std::unexpected(
         error(name, ReadFault::syntax, 1, "holds a geometry without proper coordinates", "export it again"));
   }
-  bool degrees = !root.contains("crs");
+  const std::string crs = crs_of(root);
+  bool degrees = !root.contains("crs") || is_geographic(crs);
   for (const auto* group : {&map.lines, &map.polygons}) {
     for (const Line& line : *group) {
       for (const auto& p : line) degrees = degrees && std::abs(p[0]) <= 180 && std::abs(p[1]) <= 90;
@@ -107,8 +139,9 @@ std::expected<TraceMap, ReadError> parse_geojson(std::string_view bytes, std::st
   }
   if (degrees && (!map.lines.empty() || !map.polygons.empty())) {
     return std::unexpected(error(name, ReadFault::out_of_range, 1,
-                                 "seems to be in degrees (no crs, all within 180 x 90)",
-                                 "export it in a metric projection, and keep its crs member"));
+                                 crs.empty() ? "seems to be in degrees (no crs, all within 180 x 90)"
+                                             : "is in degrees: its crs is " + shown(crs),
+                                 "project it to metres (the UTM zone, say) and export it with its crs member"));
   }
   if (skipped > 0) {
     std::string note = std::to_string(skipped);
