@@ -238,19 +238,31 @@ std::optional<SurveyTable> read_survey_table(InputContext& context, const Loaded
   return SurveyTableReader{context, file, may_be_empty}.run(columns);
 }
 
-void note_unread_columns(InputContext& context, const LoadedFile& file, const SurveyTable& table,
-                         std::initializer_list<string_view> read, string_view remedy) {
+bool check_columns(InputContext& context, const LoadedFile& file, const SurveyTable& table,
+                   std::initializer_list<string_view> read, string_view remedy) {
   std::string names;
-  bool measures = false;
+  bool measures = false, good = true;
   for (std::size_t k = 0; k < table.columns.size(); ++k) {
-    if (std::ranges::find(read, table.columns[k]) != read.end() || table.heads[k].empty()) continue;
+    if (std::ranges::find(read, table.columns[k]) != read.end()) {
+      const std::size_t first = *table.column(table.columns[k]);
+      if (first == k) continue;
+      context.problems.error_in(file.shown, 1, "columns",
+                                fmt::format("{} comes twice: \"{}\" and \"{}\"", table.columns[k],
+                                            on_one_line(string_view{table.heads[first]}.substr(0, 40)),
+                                            on_one_line(string_view{table.heads[k]}.substr(0, 40))),
+                                "remove one");
+      good = false;
+    }
+    if (!good || table.heads[k].empty()) continue;
     names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", on_one_line(string_view{table.heads[k]}.substr(0, 40)));
     measures = measures || table.columns[k] == "length" || table.columns[k] == "ends" ||
                table.columns[k].starts_with("spacing");
   }
-  if (names.empty()) return;
-  context.problems.note_in(file.shown, 1, "columns", "not read: " + names,
-                           measures ? std::string{remedy} : std::string{});
+  if (good && !names.empty()) {
+    context.problems.note_in(file.shown, 1, "columns", "not read: " + names,
+                             measures ? std::string{remedy} : std::string{});
+  }
+  return good;
 }
 
 std::optional<double> plain_number(const SurveyTable& table, const SurveyTable::Row& row, string_view name) {

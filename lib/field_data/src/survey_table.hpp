@@ -33,9 +33,10 @@ struct SurveyTable {
                                                            const std::vector<std::string>& columns,
                                                            bool may_be_empty = false);
 
-/// Notes the columns that are none of `read`; `remedy`: where trace lengths or spacings are among them.
-void note_unread_columns(InputContext& context, const LoadedFile& file, const SurveyTable& table,
-                         std::initializer_list<std::string_view> read, std::string_view remedy);
+/// Reports columns of `read` that come twice (then false), and notes the columns that are none of these; `remedy`:
+/// where trace lengths or spacings are among them.
+[[nodiscard]] bool check_columns(InputContext& context, const LoadedFile& file, const SurveyTable& table,
+                                 std::initializer_list<std::string_view> read, std::string_view remedy);
 
 /// A number of a cell; nothing when the cell is empty; reported when it is no number.
 [[nodiscard]] std::optional<double> cell_number(InputContext& context, const LoadedFile& file, const SurveyTable& table,
