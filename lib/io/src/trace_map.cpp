@@ -80,7 +80,7 @@ bool add_geometry(const Json& geometry, TraceMap& map, std::size_t& skipped) {
   return true;
 }
 
-/// The name of its coordinate system, in lower case: "urn:ogc:def:crs:epsg::25832", "epsg:4326".
+/// The name of its coordinate system: "urn:ogc:def:crs:EPSG::25832", "EPSG:4326".
 std::string crs_of(const Json& root) {
   if (!root.contains("crs") || !root["crs"].is_object()) return {};
   const Json& crs = root["crs"];
@@ -88,8 +88,8 @@ std::string crs_of(const Json& root) {
   const Json& properties = crs["properties"];
   for (const char* key : {"name", "code", "href"}) {
     if (!properties.contains(key)) continue;
-    if (properties[key].is_string()) return lower(properties[key].get<std::string>());
-    if (properties[key].is_number_integer()) return "epsg:" + std::to_string(properties[key].get<std::int64_t>());
+    if (properties[key].is_string()) return properties[key].get<std::string>();
+    if (properties[key].is_number_integer()) return "EPSG:" + std::to_string(properties[key].get<std::int64_t>());
   }
   return {};
 }
@@ -131,7 +131,7 @@ std::expected<TraceMap, ReadError> parse_geojson(std::string_view bytes, std::st
         error(name, ReadFault::syntax, 1, "holds a geometry without proper coordinates", "export it again"));
   }
   const std::string crs = crs_of(root);
-  bool degrees = !root.contains("crs") || is_geographic(crs);
+  bool degrees = !root.contains("crs") || is_geographic(lower(crs));
   for (const auto* group : {&map.lines, &map.polygons}) {
     for (const Line& line : *group) {
       for (const auto& p : line) degrees = degrees && std::abs(p[0]) <= 180 && std::abs(p[1]) <= 90;
