@@ -35,14 +35,16 @@ constexpr std::array<string_view, 5> shape_words{"rectangle", "square", "disc", 
 const KeyTable& size_keys() {
   static const KeyTable keys{
       .name = "size",
-      .keys = {{"distribution", key::word<dfn::SizeDistribution>(), required, "law of the size"},
-               {"mean", key::number(size_rule), "", "m, before the law is cut to `min`..`max`"},
-               {"std", key::number(rule::length_or_zero), "", "m, before the law is cut"},
-               {"min", key::number(rule::length_or_zero), "", "m"},
-               {"max", key::number(rule::length), "", "m"},
-               {"clamp", key::flag(), "false",
-                "true: what the law draws beyond `min` or `max` becomes these; false: it is drawn again"},
-               {"exponent", key::number(exponent_rule), "", "of the power law"}}};
+      .keys = {
+          {"distribution", key::word<dfn::SizeDistribution>(), required, "law of the size"},
+          {"mean", key::number(size_rule), "",
+           "m, before the law is cut to `min`..`max`; not of `power` and `uniform`"},
+          {"std", key::number(rule::length_or_zero), "", "m, before the law is cut: of `normal`, `lognormal`, `gamma`"},
+          {"min", key::number(rule::length_or_zero), "", "m"},
+          {"max", key::number(rule::length), "", "m"},
+          {"clamp", key::flag(), "false",
+           "true: what the law draws beyond `min` or `max` becomes these; false: it is drawn again"},
+          {"exponent", key::number(exponent_rule), "", "of the power law"}}};
   return keys;
 }
 
