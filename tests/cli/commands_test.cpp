@@ -81,6 +81,17 @@ TEST_F(CommandsTest, AWrongOptionIsNamedBeforeAMissingOne) {
   EXPECT_NE(cleave("run s.toml --out-folder out").err.find("--out-folder"), std::string::npos);
 }
 
+// What check and run refuse had a plan.
+TEST_F(CommandsTest, PlanRefusesWhatNoRunCouldDo) {
+  write("none.toml",
+        "[domain]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n[[excavation]]\nkind = \"polyhedron\"\n"
+        "box = { min = [-1, -1, -1], max = [2, 2, 2] }\n");
+  const Ended plan = cleave("plan none.toml"), check = cleave("check none.toml");
+  EXPECT_EQ(plan.code, 2) << plan.out;
+  EXPECT_NE(plan.err.find("leave no rock"), std::string::npos) << plan.err;
+  EXPECT_EQ(plan.err, check.err);
+}
+
 TEST_F(CommandsTest, PlanNamesEveryStageAndWritesNothing) {
   write("s.toml", small_scene);
   const Ended plan = cleave("plan s.toml");

@@ -190,6 +190,10 @@ TEST_F(MonteCarloTest, ThreadsShardsAndMergesGiveTheSameBytes) {
   EXPECT_FALSE(exists("all"));
   const Ended twice = cleave("merge part1 part2 part3 part2 -o all");
   EXPECT_EQ(twice.code, 2);
+  // The whole took the place of the part.
+  const Ended over = cleave("merge part1 part2 part3 -o ./part2");
+  EXPECT_EQ(over.code, 2);
+  EXPECT_NE(over.err.find("./part2:1: OUT: is part2, one of the parts"), std::string::npos) << over.err;
   ASSERT_EQ(cleave("merge part3 part1 part2 -o all --quiet").code, 0);
   EXPECT_EQ(section_text("all"), section_text("one"));
   EXPECT_EQ(read("all/realizations.csv"), read("one/realizations.csv"));
@@ -252,6 +256,9 @@ TEST_F(MonteCarloTest, MergesAndReplaysKnowTheScenesName) {
     EXPECT_TRUE(read(out + "/report.html").contains("untitled.toml")) << out;
   }
   EXPECT_EQ(cleave("replay all --realization 2 --quiet").code, 0);
+  const Ended before = cleave("replay all --realization -1 --quiet");
+  EXPECT_EQ(before.code, 2);
+  EXPECT_NE(before.err.find("--realization: \"-1\" is not a whole number from 0"), std::string::npos) << before.err;
   EXPECT_EQ(json::parse(read("all/realization_2/summary.json"))["title"], "untitled.toml (realization 2)");
 }
 

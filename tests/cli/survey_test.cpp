@@ -164,7 +164,10 @@ TEST_F(SurveyTest, MixedConventionsAreRefusedOrAnswered) {
   write("semi.csv", "dip;dip_direction\n40,5;100,25\n41,5;101,25\n");
   EXPECT_NEAR(survey("[[orientations]]\nfile = \"semi.csv\"\n")["sets"][0]["orientation"]["dip"], 41, 0.01);
   write("torn.csv", "dip,dip_direction\n40\n");
-  EXPECT_TRUE(refusal("[[orientations]]\nfile = \"torn.csv\"\n").contains("holds no data"));
+  EXPECT_TRUE(
+      refusal("[[orientations]]\nfile = \"torn.csv\"\n").contains("torn.csv:2: row: 1 cells, the header has 2"));
+  write("half.csv", "dip,dip_direction\n40,\n");
+  EXPECT_TRUE(refusal("[[orientations]]\nfile = \"half.csv\"\n").contains("holds no data"));
   write("flat.csv", "x1,y1,x2,y2\n1,1,1,1\n2,2,2,2\n");
   const json none = survey("[[window]]\ntraces = \"flat.csv\"\nrectangle = { min = [0, 0], max = [4, 4] }\n");
   EXPECT_EQ(none["windows"][0]["traces"], 0);

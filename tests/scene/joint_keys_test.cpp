@@ -136,5 +136,39 @@ TEST(JointKeys, BufferAndClamp) {
             std::string::npos);
 }
 
+// A constant size with a standard deviation was a constant size.
+TEST(JointKeys, KeysOfOtherLawsAreRefused) {
+  const std::string set = "[[joint_set]]\norientation = { dip = 30, dip_direction = 30 }\nintensity = { count = 40 }\n";
+  const auto of_size = [&](std::string_view law) {
+    return error_of(with_box(set + "size = { distribution = " + std::string{law} + " }\n"));
+  };
+  EXPECT_EQ(of_size("\"constant\", mean = 5, std = 3"),
+            "s.toml:6: joint_set[1].size.std: has no meaning for the distribution \"constant\"; remove it, or set "
+            "distribution = \"normal\"");
+  EXPECT_TRUE(of_size("\"constant\", mean = 5, clamp = true").contains("size.clamp: has no meaning"));
+  EXPECT_TRUE(
+      of_size("\"exponential\", mean = 5, std = 3").contains("size.std: has no meaning for the distribution \"exp"));
+  for (const std::string law :
+       {"exponential\", mean = 5", "normal\", mean = 5, std = 3", "lognormal\", mean = 5, std = 3",
+        "gamma\", mean = 5, std = 3", "uniform\", min = 5, max = 7", "constant\", mean = 5"}) {
+    EXPECT_TRUE(of_size("\"" + law + ", exponent = 3").contains("size.exponent: has no meaning")) << law;
+    EXPECT_NO_FATAL_FAILURE(scene_of(with_box(set + "size = { distribution = \"" + law + " }\n")));
+  }
+  EXPECT_TRUE(of_size("\"power\", exponent = 3, min = 1, mean = 5").contains("size.mean: has no meaning"));
+  EXPECT_TRUE(of_size("\"power\", exponent = 3, min = 1, std = 5").contains("size.std: has no meaning"));
+  EXPECT_TRUE(of_size("\"uniform\", min = 1, max = 3, mean = 2").contains("size.mean: has no meaning"));
+  EXPECT_TRUE(of_size("\"uniform\", min = 1, max = 3, std = 2").contains("size.std: has no meaning"));
+  const auto of_rotation = [&](std::string_view law) {
+    return error_of(with_box(set + "size = 5\nrotation = { distribution = " + std::string{law} + " }\n"));
+  };
+  EXPECT_TRUE(of_rotation("\"uniform\", min = 0, max = 90, std = 5").contains("rotation.std: has no meaning"));
+  EXPECT_TRUE(of_rotation("\"normal\", mean = 0, std = 5, max = 90").contains("rotation.max: has no meaning"));
+  EXPECT_TRUE(of_rotation("\"constant\", mean = 0, std = 5").contains("rotation.std: has no meaning"));
+  EXPECT_TRUE(
+      error_of(with_box("[[joint_set]]\norientation = { distribution = \"bootstrap\", file = \"p.csv\", kappa = 5 "
+                        "}\nintensity = { p32 = 1 }\nsize = 5\n"))
+          .contains("orientation.kappa: has no meaning for the distribution \"bootstrap\""));
+}
+
 }  // namespace
 }  // namespace cleave::scene::test::joint_keys_test

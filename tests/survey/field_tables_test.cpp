@@ -217,12 +217,12 @@ TEST(FieldTables, NamesAreTextAndFilesOfSetsCanBeRead) {
   EXPECT_TRUE(error_of(poles,
                        "dip,dip_direction,set\n60,120,a\x01"
                        "b\n")
-                  .contains("t.csv:2: file: holds control"));
+                  .contains("t.csv:2: file: a cell holds control"));
   EXPECT_TRUE(
       error_of(poles, "dip,dip_direction,set\n60,120,\xe4\n").contains("t.csv:2: set: \"\xEF\xBF\xBD\" is not"));
   const std::string line = "[[scanline]]\ntrend = 0\nplunge = 0\nlength = 20\nfile = \"t.csv\"\n";
   EXPECT_TRUE(error_of(line, "distance,dip,dip_direction,set\n1,60,120,\xe4\n").contains("is not UTF-8 text"));
-  const std::string table = "distance,dip,dip_direction,set\n1,60,120,\"a\\\" = \xC3\xA4\"\n2,61,121,b]#\n";
+  const std::string table = "distance,dip,dip_direction,set\n1,60,120,\"a\\\"\" = \xC3\xA4\"\n2,61,121,b]#\n";
   const auto survey = parse_survey(
       line, "two\n[lines]\x7f\xff.toml",
       [&](const std::string& name) -> std::expected<LoadedFile, FileRefusal> { return LoadedFile{table, name}; });
@@ -233,6 +233,100 @@ TEST(FieldTables, NamesAreTextAndFilesOfSetsCanBeRead) {
       "schema = 1\ninclude = [\"s.toml\"]\n[domain]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n", "scene.toml",
       [&](const std::string& name) -> std::expected<LoadedFile, FileRefusal> { return LoadedFile{sets.toml, name}; });
   ASSERT_TRUE(scene.has_value()) << describe(scene.error().front());
+}
+
+// Rows with more or fewer cells than columns were read from the left, and quotes did not hold a cell together:
+// "60,5","240,5" was 60/005, and a set "A, west" was A.
+TEST(FieldTables, CellsAreThoseOfTheColumns) {
+  const std::string both = "dip,dip_direction\n";
+  EXPECT_TRUE(error_of(poles, both + "60,5,240,5\n")
+                  .contains("t.csv:2: row: 4 cells, the header has 2; give every "
+                            "column; with decimal commas separate columns by"));
+  EXPECT_TRUE(error_of(poles, both + "60\n").contains("t.csv:2: row: 1 cells, the header has 2"));
+  EXPECT_TRUE(error_of(poles + "columns = [\"dip\", \"dip_direction\"]\n", "60 240 5\n").contains("`columns` has 2"));
+  EXPECT_TRUE(error_of(poles, both + "\"60,5\",\"240,5\"\n")
+                  .contains("t.csv:2: dip: \"60,5\" is not a number; write a decimal point; with decimal commas"));
+  EXPECT_TRUE(
+      error_of(poles, "dip,dip_direction,set\n60,40,\"A\n west\"\n").contains("t.csv:2: set: holds a line end"));
+  EXPECT_TRUE(error_of(poles, "dip,dip_direction,set\n60,40,\"A\n").contains("a quoted cell is not closed"));
+  const auto named = read(poles, "dip,dip_direction,set\n60,40,\"A, west\"\n60,40, B ,,\n,,\n\"60\",\"40\",C \"c\"\n");
+  ASSERT_EQ(named.size(), 3U);
+  EXPECT_EQ(named[0].set, "A, west");
+  EXPECT_EQ(named[1].set, "B");
+  EXPECT_EQ(named[2].set, "C \"c\"");
+  for (const char* table : {"dip;dip_direction;set\n60,5;\"240,5\";St. 1\n", "dip\tset\tdip_direction\n60.5\t\t240.5\n",
+                            "dip dip_direction  set\n 60.5\t240.5 \"A b\" \n"}) {
+    const auto rows = read(poles, table);
+    ASSERT_EQ(rows.size(), 1U) << table;
+    expect_plane(rows[0].normal, 60.5, 240.5);
+  }
+  EXPECT_TRUE(error_of(poles, "dip;dip_direction\n60,5;240.5\n").contains("use decimal points, or decimal commas"));
+}
+
+// alpha and beta won over a contradicting dip and dip direction: 88.1/197.5 for 60/040.
+TEST(FieldTables, CoreAnglesAreThoseOfTheStatedPlane) {
+  const std::string table = "depth,alpha,beta,dip,dip_direction\n";
+  const std::string inclined = hole + "trend = 90\nplunge = 60\n";
+  EXPECT_TRUE(error_of(inclined, table + "10,40,0,60,40\n")
+                  .contains("t.csv:2: alpha: alpha and beta give the plane 80.0/270.0 in this hole"))
+      << error_of(inclined, table + "10,40,0,60,40\n");
+  // As the hole runs, not as a straight line does.
+  for (const std::string row : {"10,40,0,80,270\n", "10,40,0,72,268\n", "10,40,0,,\n", "10,40,0,80,\n"}) {
+    const auto rows = read(inclined, table + row);
+    ASSERT_EQ(rows.size(), 1U);
+    expect_plane(rows[0].normal, 80, 270);
+  }
+  EXPECT_TRUE(error_of(inclined, table + "10,40,0,68,270\n").contains("12 degrees off"));
+  EXPECT_TRUE(error_of(inclined, "depth,alpha,beta,trend,plunge\n10,40,0,10,10\n").contains("in this hole"));
+}
+
+TEST(FieldTables, AnglesThatMayBeRadiansAreSaid) {
+  const auto said = [](const std::string& toml, const std::string& table) {
+    const auto notes = notes_of(toml, table);
+    return notes.size() == 1 && notes[0].contains("if they are meant in radians");
+  };
+  EXPECT_TRUE(said(poles, "dip,dip_direction\n1.05,0.70\n0.98,5.9\n"));
+  EXPECT_TRUE(said(poles, "dip,strike\n1.05,0.70\n"));
+  EXPECT_TRUE(said(poles, "trend,plunge\n1.05,0.70\n"));
+  const std::string inclined = hole + "trend = 90\nplunge = 60\n";
+  EXPECT_TRUE(said(inclined, "depth,alpha,beta\n1,1.05,0.70\n"));
+  EXPECT_TRUE(said(inclined, "depth,dip,dip_direction\n1,1.05,0.70\n"));
+  EXPECT_TRUE(notes_of(poles, "dip (rad),dip_direction (rad)\n1.05,0.70\n").empty());
+  EXPECT_TRUE(notes_of(poles, "dip,dip_direction\n1.05,0.70\n1.6,0.7\n").empty());
+  EXPECT_TRUE(notes_of(poles, "dip,dip_direction\n1,2\n").empty());
+}
+
+TEST(FieldTables, LengthsThatCountForNothingAreSaid) {
+  const std::string line = "[[scanline]]\nfile = \"t.csv\"\ntrend = 40\nplunge = 0\nlength = 7\n";
+  const std::string header = "distance,dip,dip_direction,length,ends\n";
+  const auto whole = notes_of(line, "distance,dip,dip_direction,length\n1,60,40,3\n2,61,41,\n3,60,40,5\n");
+  ASSERT_EQ(whole.size(), 1U);
+  EXPECT_TRUE(whole[0].contains("there is no column ends: both ends of all 2 traces are taken as seen")) << whole[0];
+  EXPECT_TRUE(notes_of(line, "distance,dip,dip_direction,length\n1,60,40,\n").empty());
+  const auto zero = notes_of(line, header + "1,60,40,0,2\n2,61,41,4,2\n");
+  ASSERT_EQ(zero.size(), 1U);
+  EXPECT_TRUE(zero[0].contains("length: 1 of 2 are 0 and count as not measured")) << zero[0];
+  const std::string rows = header + "1,60,40,3,2\n2,61,41,4,1\n3,60,40,5,2\n4,59,40,3,2\n";
+  const auto below = notes_of(line + "truncation = 4\n", rows);
+  ASSERT_EQ(below.size(), 1U);
+  EXPECT_TRUE(below[0].contains("length: 2 of 4 are below the truncation, 4 m, and count for nothing")) << below[0];
+  EXPECT_TRUE(notes_of(line + "truncation = 3\n", rows).empty());
+  // The reason in the file of sets was that no end had been seen.
+  const auto survey = parsed(line + "truncation = 200\n", rows);
+  ASSERT_TRUE(survey.has_value());
+  const SetsFile sets = sets_file(*survey, survey::analyse(survey->input));
+  EXPECT_TRUE(sets.toml.contains("size = \"persistent\"   # all traces are shorter than the truncation, 200 m"))
+      << sets.toml;
+}
+
+TEST(FieldTables, ColumnsThatComeTwiceAreRefused) {
+  EXPECT_TRUE(error_of(poles, "dip,dip_direction,Dip\n60,40,50\n")
+                  .contains("t.csv:1: columns: dip comes twice: \"dip\" and \"Dip\"; remove one"));
+  EXPECT_TRUE(error_of(poles, "dip,dip_direction,Azimuth\n60,40,50\n").contains("\"dip_direction\" and \"Azimuth\""));
+  EXPECT_TRUE(error_of("[[scanline]]\nfile = \"t.csv\"\ntrend = 40\nplunge = 0\nlength = 7\n",
+                       "distance,Trace Length,Persistence\n1,2,3\n")
+                  .contains("length comes twice"));
+  EXPECT_EQ(read(poles, "dip,dip_direction,remark,remark,,\n60,40,a,b,,\n").size(), 1U);
 }
 
 // Sets of which Fisher's law does not hold take their poles from a file each, whatever their names have in common.

@@ -55,6 +55,11 @@ ExitCode plan_scene(const std::string& path) {
                                              [](const auto& scene2d) -> Planned { return make_plan(scene2d); }},
                                   *scene);
   if (!plan) return report_problems(plan.error());
+  if (const auto* blocks = std::get_if<scene::Scene>(&*scene)) {
+    // What no run could do; a scene that is too large for this machine has a plan.
+    const auto refused = refusals(*blocks);
+    if (!refused.empty()) return report_problems(refused);
+  }
   print(std::visit(
       [&](const auto& loaded) {
         const scene::SizeEstimate& size = plan->estimate;

@@ -142,6 +142,11 @@ std::vector<MonteCarloFolder::File> copies_of(const std::string& part) {
 
 ExitCode merge_results(const std::vector<std::string>& folders, const std::string& out, bool quiet) {
   StageTimer timer;
+  for (const std::string& folder : folders) {
+    std::error_code ignored;
+    if (!fs::equivalent(folder, out, ignored)) continue;
+    return wrong(out, fmt::format("is {}, one of the parts; give another folder for the whole result", folder));
+  }
   auto parts = read_parts(folders);
   if (!parts) return parts.error();
   const RunIdentity first = parts->front().identity;

@@ -141,6 +141,12 @@ std::optional<std::uint64_t> seed_of(const std::string& text) {
 /// What the command line asks for. Each command below adds itself: what it holds is kept by its own callback.
 using Chosen = std::function<ExitCode()>;
 
+/// For options that are a number of a draw: "-1" would be the largest one.
+std::string whole_from_zero(const std::string& text) {
+  if (seed_of(text)) return {};
+  return "\"" + text + "\" is not a whole number from 0 to 9223372036854775807";
+}
+
 /// The limit in bytes; 0: none was given.
 std::shared_ptr<std::uint64_t> add_memory(CLI::App* command) {
   const auto memory = std::make_shared<std::uint64_t>(0);
@@ -226,7 +232,7 @@ void add_replay(CLI::App& app, Chosen& chosen) {
   CLI::App* command =
       app.add_subcommand("replay", "re-creates one realization of a Monte Carlo run exactly, as a full single run");
   command->add_option("result", replay->result, "folder of the Monte Carlo run")->required();
-  command->add_option("--realization", replay->realization, "its number, from 0")->required();
+  command->add_option("--realization", replay->realization, "its number, from 0")->required()->check(whole_from_zero);
   command->add_option("-o,--out", replay->out, "folder for the result instead of RESULT/realization_K");
   command
       ->add_option_function<double>(
@@ -279,7 +285,8 @@ void add_convert(CLI::App& app, Chosen& chosen) {
       ->add_option("out", given->out,
                    "file to write: .vtu .obj .ply .stl .3ddat .3dec .k .nmm3d .dda; joints also .fab .dat")
       ->required();
-  command->add_option("--realization", given->realization, "of a scene: which draw of its joints, from 0");
+  command->add_option("--realization", given->realization, "of a scene: which draw of its joints, from 0")
+      ->check(whole_from_zero);
   command->callback(
       [&chosen, given] { chosen = [given] { return convert_file(given->in, given->out, given->realization); }; });
 }

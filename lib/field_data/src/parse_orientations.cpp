@@ -74,11 +74,13 @@ class OrientationsParser final {
                                  "pole, or alpha and beta of an oriented core");
       return;
     }
-    note_unread_columns(
+    const bool good = check_columns(
         context_, *file, *data,
         {"dip", "dip_direction", "strike", "trend", "plunge", "alpha", "beta", "set", "quantity", "traverse"},
         "trace lengths and distances are of a [[scanline]] or [[borehole]], traces of a [[window]]: "
         "they say how joints were met; for a spacing alone write the set into the scene");
+    if (!good) return;
+    note_radians(context_, *file, *data);
     const Traverse whole = traverse_of(table_);
     read_traverses(*file, *data);
     rows(*file, *data, whole, empty);

@@ -71,7 +71,8 @@ const KeyTable& window_keys() {
       .keys =
           {{"name", key::text(), "its number", "in the results"},
            {"traces", key::text(), required,
-            "`.geojson` in a metric projection, `.csv` with x1,y1,x2,y2 or trace,x,y, or FracPaQ's `.txt` with "
+            "`.geojson` in a metric projection (degrees are refused), `.csv` with x1,y1,x2,y2 or trace,x,y, or "
+            "FracPaQ's `.txt` with "
             "`scale`"},
            {"scale", key::number(scale_rule), "1", "m a unit of the map (a pixel)"},
            {"area", key::text(), "", "`.geojson` of the window"},
@@ -152,10 +153,13 @@ class SurveyParser final {
       context_.problems.error_in(file->shown, 1, "columns", "lacks the column distance", "give metres along the line");
       return;
     }
-    note_unread_columns(context_, *file, *data,
-                        {"distance", "length", "ends", "dip", "dip_direction", "strike", "trend", "plunge", "alpha",
-                         "beta", "set", "quantity"},
-                        "spacings follow from the distances");
+    if (!check_columns(context_, *file, *data,
+                       {"distance", "length", "ends", "dip", "dip_direction", "strike", "trend", "plunge", "alpha",
+                        "beta", "set", "quantity"},
+                       "spacings follow from the distances")) {
+      return;
+    }
+    note_radians(context_, *file, *data);
     const bool core = has_core_angles(*data), oriented = core || has_orientation(*data);
     const bool lengths = data->column("length").has_value();
     if (table.has("reference") && !core) {
@@ -163,6 +167,7 @@ class SurveyParser final {
     }
     line.truncation = metres(table.number("truncation").value_or(0));
     std::size_t wrong = 0;
+    lengths_ = {};
     for (const SurveyTable::Row& row : data->rows) {
       const std::size_t before = context_.problems.errors();
       const auto at = cell_number(context_, *file, *data, row, "distance");
@@ -179,9 +184,10 @@ class SurveyParser final {
       if (at && oriented) normal = normal_of_row(context_, *file, *data, row, rules);
       const std::size_t times = at && (normal || !oriented) ? quantity_of(context_, *file, *data, row) : 0;
       const std::string set = set_of_row(context_, *file, *data, row, "");
+      const auto length = lengths && times > 0 ? length_of(*file, *data, row, line.truncation) : std::nullopt;
       for (std::size_t i = 0; i < times; ++i) {
         line.positions.push_back(*at);
-        if (lengths) line.lengths.push_back(length_of(*file, *data, row));
+        if (lengths) line.lengths.push_back(length);
         if (!normal) continue;
         line.joints.push_back(in_.orientations.size());
         in_.orientations.push_back({*normal, set, line.direction_at(*at), std::nullopt});
@@ -189,6 +195,7 @@ class SurveyParser final {
       if (too_many(context_, *file, in_)) return;
       if (context_.problems.errors() != before && ++wrong >= 20) return;
     }
+    note_lengths(*file, *data, line.truncation);
     in_.lines.push_back(std::move(line));
   }
 
@@ -348,7 +355,7 @@ class SurveyParser final {
  private:
   /// Length of the trace that a row states, and how many of its ends were seen (column `ends`; none: both).
   std::optional<survey::SeenLength> length_of(const LoadedFile& file, const SurveyTable& table,
-                                              const SurveyTable::Row& row) {
+                                              const SurveyTable::Row& row, Length truncation) {
     const auto length = cell_number(context_, file, table, row, "length");
     const auto ends = cell_number(context_, file, table, row, "ends");
     if (length && *length < 0) {
@@ -360,8 +367,36 @@ class SurveyParser final {
                                  "give how many ends of the trace are seen: 0, 1 or 2");
       return {};
     }
-    if (!length || !(*length > 0)) return {};
+    if (!length) return {};
+    ++lengths_.stated;
+    if (*length == 0) ++lengths_.zero;
+    if (!(*length > 0)) return {};
+    if (*length < truncation.si()) ++lengths_.below;
     return survey::SeenLength{*length, static_cast<std::uint32_t>(ends.value_or(2))};
+  }
+
+  /// What counts for less than it seems to, of a line's lengths.
+  void note_lengths(const LoadedFile& file, const SurveyTable& table, Length truncation) const {
+    const auto note = [&](std::string what, std::string remedy) {
+      context_.problems.note_in(file.shown, 1, "length", std::move(what), std::move(remedy));
+    };
+    if (lengths_.stated > 0 && !table.column("ends")) {
+      note(fmt::format(
+               "there is no column ends: both ends of all {} traces are taken as seen, and the sizes as those of "
+               "whole traces",
+               lengths_.stated),
+           "add it with the number of ends seen, 0, 1 or 2; where all were seen whole, with 2");
+    }
+    if (lengths_.zero > 0) {
+      note(fmt::format("{} of {} are 0 and count as not measured", lengths_.zero, lengths_.stated),
+           "give what is seen, or leave them empty");
+    }
+    if (lengths_.below > 0) {
+      note(
+          fmt::format("{} of {} are below the truncation, {} m, and count for nothing in the laws of lengths and sizes",
+                      lengths_.below, lengths_.stated, truncation.si()),
+          "check truncation: the length below which no trace was recorded");
+    }
   }
 
   std::optional<io::TraceMap> map_of(const TableReader& table, string_view key) {
@@ -386,6 +421,10 @@ class SurveyParser final {
   InputContext& context_;
   survey::SurveyInput& in_;
   std::size_t empty_ = 0;
+  /// Rows of the line that is read.
+  struct Lengths {
+    std::size_t stated = 0, zero = 0, below = 0;
+  } lengths_;
 };
 
 }  // namespace

@@ -2,11 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
+#include <utility>
 
 #include "cleave/core/text.hpp"
 #include "cleave/geometry/orientation.hpp"
+#include "cleave/io/field_tables.hpp"
 
 namespace cleave::scene {
 
@@ -42,7 +47,8 @@ bool looks_swapped(std::optional<double> dip, std::optional<double> direction) {
   return dip && direction && *dip > 90 && *dip <= 360 && *direction >= 0 && *direction <= 90;
 }
 
-/// Tables may state an orientation twice, in two conventions; then both must say the same within a degree and a half.
+/// Tables may state an orientation twice, in two conventions; then both must say the same, within a degree and a half
+/// where one is worked out from the other.
 bool agree(InputContext& context, const LoadedFile& file, const SurveyTable::Row& row, string_view name, Vec3 one,
            Vec3 other, string_view first, string_view second) {
   constexpr double cosine = 0.99966;
@@ -51,6 +57,24 @@ bool agree(InputContext& context, const LoadedFile& file, const SurveyTable::Row
                             fmt::format("{} and {} of this row are not the same plane", first, second),
                             "strike goes by the right-hand rule (dip direction - 90), trend and plunge are the pole's: "
                             "correct the row, or remove the columns of one convention");
+  return false;
+}
+
+/// Core angles beside an orientation in space, which knows more of how the hole runs than a straight line does: they
+/// may differ by ten degrees.
+bool core_agrees(InputContext& context, const LoadedFile& file, const SurveyTable::Row& row, Vec3 in_core,
+                 Vec3 stated) {
+  constexpr double most_degrees = 10;
+  const double apart = std::acos(std::min(1.0, std::abs(dot(in_core, stated)))) * 180 / std::numbers::pi;
+  if (apart <= most_degrees) return true;
+  const geometry::Attitude plane = geometry::attitude_of(in_core);
+  context.problems.error_in(
+      file.shown, row.line, "alpha",
+      fmt::format("alpha and beta give the plane {:.1f}/{:05.1f} in this hole, {:.0f} degrees off the orientation that "
+                  "the row states",
+                  plane.dip.degrees(), plane.direction.degrees(), apart),
+      "check trend, plunge and reference of the hole, and which end of the ellipse beta is measured to; or remove the "
+      "columns of one convention");
   return false;
 }
 
@@ -100,6 +124,20 @@ std::size_t quantity_of(InputContext& context, const LoadedFile& file, const Sur
   return 0;
 }
 
+namespace {
+
+/// Whether the cells of the orientation in space are filled.
+bool states_orientation(const SurveyTable& table, const SurveyTable::Row& row) {
+  const auto filled = [&](string_view name) {
+    const auto at = table.column(name);
+    return at && !row.cells[*at].empty();
+  };
+  if (table.column("trend") && table.column("plunge")) return filled("trend") && filled("plunge");
+  return filled("dip") && (filled("dip_direction") || filled("strike"));
+}
+
+}  // namespace
+
 std::optional<Vec3> normal_of_row(InputContext& context, const LoadedFile& file, const SurveyTable& table,
                                   const SurveyTable::Row& row, const RowRules& rules) {
   const bool wrap = rules.wrap;
@@ -110,7 +148,13 @@ std::optional<Vec3> normal_of_row(InputContext& context, const LoadedFile& file,
   if (rules.core && has_core_angles(table)) {
     const auto alpha = value("alpha", 90), beta = value("beta", 360);
     if (!alpha || !beta) return std::nullopt;
-    return normal_in_core(*rules.core, *alpha, *beta);
+    const Vec3 normal = normal_in_core(*rules.core, *alpha, *beta);
+    if (!has_orientation(table) || !states_orientation(table, row)) return normal;
+    RowRules in_space = rules;
+    in_space.core.reset();
+    const auto stated = normal_of_row(context, file, table, row, in_space);
+    if (!stated || !core_agrees(context, file, row, normal, *stated)) return std::nullopt;
+    return normal;
   }
   if (table.column("trend") && table.column("plunge")) {
     const auto trend = value("trend", 360), plunge = value("plunge", 90);
@@ -152,6 +196,23 @@ std::optional<Vec3> normal_of_row(InputContext& context, const LoadedFile& file,
   return upwards(normal_of(context, *dip, *direction + rules.declination));
 }
 
+void note_radians(InputContext& context, const LoadedFile& file, const SurveyTable& table) {
+  for (const auto& [inclined, bearing] : std::array<std::pair<string_view, string_view>, 4>{
+           {{"dip", "dip_direction"}, {"dip", "strike"}, {"plunge", "trend"}, {"alpha", "beta"}}}) {
+    const auto first = table.column(inclined), second = table.column(bearing);
+    if (!first || !second || table.units[*first] != nullptr || table.units[*second] != nullptr) continue;
+    io::AngleWatch angles;
+    for (const SurveyTable::Row& row : table.rows) {
+      const auto one = plain_number(table, row, inclined), other = plain_number(table, row, bearing);
+      if (one && other) angles.look_at(*one, *other);
+    }
+    if (auto note = angles.note(inclined)) {
+      context.problems.note_in(file.shown, 1, "columns", *std::move(note), "");
+      return;
+    }
+  }
+}
+
 bool has_orientation(const SurveyTable& table) {
   return (table.column("trend") && table.column("plunge")) ||
          (table.column("dip") && (table.column("dip_direction") || table.column("strike")));
@@ -165,6 +226,10 @@ std::string set_of_row(InputContext& context, const LoadedFile& file, const Surv
   if (!is_utf8(name)) {
     context.problems.error_in(file.shown, row.line, "set", fmt::format("\"{}\" is not UTF-8 text", on_one_line(name)),
                               "save the table as UTF-8");
+  }
+  if (has_control_characters(name)) {
+    context.problems.error_in(file.shown, row.line, "set", "holds a line end or control characters",
+                              "give the set a name on one line");
   }
   return name;
 }

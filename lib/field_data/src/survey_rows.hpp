@@ -44,6 +44,8 @@ struct RowRules {
 [[nodiscard]] std::optional<geometry::Vec3> normal_of_row(InputContext& context, const LoadedFile& file,
                                                           const SurveyTable& table, const SurveyTable::Row& row,
                                                           const RowRules& rules);
+/// Notes angles without a unit that may be radians.
+void note_radians(InputContext& context, const LoadedFile& file, const SurveyTable& table);
 [[nodiscard]] std::string set_of_row(InputContext& context, const LoadedFile& file, const SurveyTable& table,
                                      const SurveyTable::Row& row, const std::string& otherwise);
 /// Number of like joints that a row stands for (column quantity; none: 1).

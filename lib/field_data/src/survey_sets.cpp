@@ -64,6 +64,21 @@ std::string shape_text(const survey::SetResult& set) {
                      set.shape.rotation);
 }
 
+/// Why a set has no size, as a comment.
+std::string reason_of_no_size(const survey::SurveyInput& input, const survey::SetResult& set) {
+  if (set.traces + set.traces_on_lines == 0) return "no trace lengths were measured";
+  double truncation = 0;
+  if (set.traces > 0) {
+    for (const survey::WindowSurvey& window : input.windows) truncation = std::max(truncation, window.truncation.si());
+  } else {
+    for (const survey::LineSurvey& line : input.lines) truncation = std::max(truncation, line.truncation.si());
+  }
+  if (std::ranges::all_of(set.seen_lengths, [&](double length) { return length < truncation; })) {
+    return fmt::format("all traces are shorter than the truncation, {} m: their lengths count for nothing", truncation);
+  }
+  return "no end of a trace was seen: longer than what was looked at";
+}
+
 }  // namespace
 
 SetsFile sets_file(const SurveyScene& survey, const survey::SurveyResult& result) {
@@ -108,9 +123,7 @@ SetsFile sets_file(const SurveyScene& survey, const survey::SurveyResult& result
     if (set.size) {
       file.toml += shape_text(set);
     } else {
-      file.toml += set.traces + set.traces_on_lines > 0
-                       ? "size = \"persistent\"   # no end of a trace was seen: longer than what was looked at\n"
-                       : "size = \"persistent\"   # no trace lengths were measured\n";
+      file.toml += fmt::format("size = \"persistent\"   # {}\n", reason_of_no_size(survey.input, set));
     }
     file.toml += fmt::format("intensity = {{ p32 = {} }}   # 1/m, {:.3g} to {:.3g}; {}\n", *set.p32->value,
                              set.p32->low, set.p32->high, set.p32->method);

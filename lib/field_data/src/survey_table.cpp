@@ -11,6 +11,8 @@
 #include <utility>
 
 #include "cleave/core/text.hpp"
+#include "cleave/io/field_tables.hpp"
+#include "cleave/scene/file_input.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -96,36 +98,6 @@ string_view bare(string_view text) {
   return text.substr(first, text.find_last_not_of(blank) - first + 1);
 }
 
-/// 40,5;100 as 40.5;100: where semicolons part the cells and no number of the row has a point.
-void take_decimal_commas(std::vector<std::string>& cells) {
-  if (std::ranges::any_of(cells, [](const std::string& c) { return c.contains('.'); })) return;
-  for (std::string& cell : cells) {
-    const std::size_t comma = cell.find(',');
-    if (comma != std::string::npos && cell.find_first_not_of("+-0123456789,") == std::string::npos) cell[comma] = '.';
-  }
-}
-
-std::vector<std::string> split(string_view line, char separator) {
-  std::vector<std::string> cells;
-  if (separator == ' ') {
-    while (!line.empty()) {
-      const std::size_t first = line.find_first_not_of(" \t\r");
-      if (first == string_view::npos) break;
-      line.remove_prefix(first);
-      const std::size_t end = std::min(line.find_first_of(" \t\r"), line.size());
-      cells.emplace_back(line.substr(0, end));
-      line.remove_prefix(end);
-    }
-    return cells;
-  }
-  for (;;) {
-    const std::size_t end = line.find(separator);
-    cells.emplace_back(bare(line.substr(0, end)));
-    if (end == string_view::npos) return cells;
-    line.remove_prefix(end + 1);
-  }
-}
-
 std::optional<double> number_of(string_view text) {
   double value = 0;
   if (text.starts_with('+')) text.remove_prefix(1);
@@ -133,6 +105,13 @@ std::optional<double> number_of(string_view text) {
   const auto [stop, failed] = std::from_chars(std::to_address(text.begin()), end, value);
   if (failed != std::errc{} || stop != end || !std::isfinite(value)) return std::nullopt;
   return value;
+}
+
+/// 40,5;100 as 40.5;100: where semicolons part the cells and no number of the row has a point.
+void take_decimal_commas(std::vector<std::string>& cells) {
+  const auto has_point = [](const std::string& c) { return c.contains('.') && number_of(c).has_value(); };
+  if (std::ranges::any_of(cells, has_point)) return;
+  for (std::string& cell : cells) io::take_decimal_comma(cell);
 }
 
 }  // namespace
@@ -166,89 +145,124 @@ bool is_preamble(InputContext& context, const LoadedFile& file, std::uint32_t li
   return true;
 }
 
+class SurveyTableReader final {
+ public:
+  SurveyTableReader(InputContext& context, const LoadedFile& file, bool may_be_empty)
+      : context_{context}, file_{file}, may_be_empty_{may_be_empty} {}
+
+  std::optional<SurveyTable> run(const std::vector<std::string>& columns) {
+    columns_are_ = columns.empty() ? "the header has" : "`columns` has";
+    if (!std::ranges::all_of(columns, [&](const std::string& name) { return add(1, name); })) return std::nullopt;
+    io::CsvRows rows{file_.bytes, file_.shown};
+    while (const auto text = rows.next()) {
+      const std::uint32_t line = rows.line();
+      if (table_.separator == 0) table_.separator = io::separator_of(*text, ";,\t ");
+      auto cells = rows.cells(*text, table_.separator);
+      if (!cells) {
+        report_read_error(context_.problems, cells.error());
+        return std::nullopt;
+      }
+      if (std::ranges::all_of(*cells, [](const std::string& c) { return c.empty(); })) continue;
+      if (table_.separator == ';') take_decimal_commas(*cells);
+      const Next next = table_.columns.empty() ? header(line, *cells) : row(line, *std::move(cells), !columns.empty());
+      if (next == Next::fail) return std::nullopt;
+      if (next == Next::end) break;
+    }
+    if (faults_ > 0) return std::nullopt;
+    if (table_.rows.empty() && (!may_be_empty_ || table_.columns.empty())) {
+      context_.problems.error_in(file_.shown, 1, "file", "holds no measurements", "add a line for each joint");
+      return std::nullopt;
+    }
+    return std::move(table_);
+  }
+
+ private:
+  enum class Next : std::uint8_t { more, end, fail };
+
+  bool add(std::uint32_t line, string_view cell) {
+    if (add_column(table_, cell)) return true;
+    context_.problems.error_in(
+        file_.shown, line, "columns",
+        fmt::format("the unit of column \"{}\" is not understood", on_one_line(cell.substr(0, 40))),
+        fmt::format("state it in {}, or in a unit of that kind", unit_of(table_.columns.back())));
+    return false;
+  }
+
+  static bool holds_numbers(const std::vector<std::string>& cells) {
+    return std::ranges::any_of(cells, [](const std::string& c) { return number_of(c).has_value(); });
+  }
+
+  Next header(std::uint32_t line, const std::vector<std::string>& cells) {
+    if (is_preamble(context_, file_, line, cells)) {
+      preamble_ = true;
+      table_.separator = 0;
+      return Next::more;
+    }
+    if (holds_numbers(cells)) {
+      context_.problems.error_in(file_.shown, line, "columns",
+                                 "the table has no header: both orders of dip and dip direction are in use",
+                                 "state columns = [\"dip_direction\", \"dip\"] in the survey, or add a header");
+      return Next::fail;
+    }
+    return std::ranges::all_of(cells, [&](const std::string& cell) { return add(line, cell); }) ? Next::more
+                                                                                                : Next::fail;
+  }
+
+  Next row(std::uint32_t line, std::vector<std::string> cells, bool columns_stated) {
+    // Behind the joints such files have a table of their sets.
+    if (preamble_ && !table_.rows.empty() && !holds_numbers(cells)) {
+      context_.problems.note_in(file_.shown, line, "file", "what follows the joints is not read", "");
+      return Next::end;
+    }
+    if (table_.rows.empty() && columns_stated && !holds_numbers(cells)) return Next::more;  // a header all the same
+    if (const auto fault = io::fault_of_row(cells, table_.columns.size(), table_.separator, columns_are_)) {
+      context_.problems.error_in(file_.shown, line, "row", fault->what, fault->remedy);
+      return ++faults_ < 20 ? Next::more : Next::fail;
+    }
+    table_.rows.push_back({line, std::move(cells)});
+    return Next::more;
+  }
+
+  InputContext& context_;
+  const LoadedFile& file_;
+  bool may_be_empty_, preamble_ = false;
+  string_view columns_are_;
+  std::size_t faults_ = 0;
+  SurveyTable table_;
+};
+
 }  // namespace
 
 std::optional<SurveyTable> read_survey_table(InputContext& context, const LoadedFile& file,
                                              const std::vector<std::string>& columns, bool may_be_empty) {
-  SurveyTable table;
-  const auto add = [&](std::uint32_t line, string_view cell) {
-    if (add_column(table, cell)) return true;
-    context.problems.error_in(file.shown, line, "columns",
-                              fmt::format("the unit of column \"{}\" is not understood", cell.substr(0, 40)),
-                              fmt::format("state it in {}, or in a unit of that kind", unit_of(table.columns.back())));
-    return false;
-  };
-  for (const std::string& name : columns) {
-    if (!add(1, name)) return std::nullopt;
-  }
-  string_view bytes = file.bytes;
-  if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
-  std::uint32_t line = 0;
-  char separator = 0;
-  bool preamble = false;
-  while (!bytes.empty()) {
-    ++line;
-    const std::size_t end = std::min(bytes.find('\n'), bytes.size());
-    const string_view text = bytes.substr(0, end);
-    bytes.remove_prefix(std::min(end + 1, bytes.size()));
-    const string_view content = bare(text);
-    if (content.empty() || content.starts_with('#')) continue;
-    if (separator == 0) {
-      separator = text.contains(';') ? ';' : text.contains(',') ? ',' : text.contains('\t') ? '\t' : ' ';
-    }
-    std::vector<std::string> cells = split(text, separator);
-    if (std::ranges::any_of(cells, [](const std::string& c) { return has_control_characters(c); })) {
-      context.problems.error_in(file.shown, line, "file", "holds control characters", "save the table as plain text");
-      return std::nullopt;
-    }
-    if (separator == ';') take_decimal_commas(cells);
-    if (table.columns.empty() && is_preamble(context, file, line, cells)) {
-      preamble = true;
-      separator = 0;
-      continue;
-    }
-    if (table.columns.empty()) {
-      if (std::ranges::any_of(cells, [](const std::string& c) { return number_of(c).has_value(); })) {
-        context.problems.error_in(file.shown, line, "columns",
-                                  "the table has no header: both orders of dip and dip direction are in use",
-                                  "state columns = [\"dip_direction\", \"dip\"] in the survey, or add a header");
-        return std::nullopt;
-      }
-      for (const std::string& cell : cells) {
-        if (!add(line, cell)) return std::nullopt;
-      }
-      continue;
-    }
-    const bool heading = table.rows.empty() && !columns.empty() &&
-                         std::ranges::none_of(cells, [](const std::string& c) { return number_of(c).has_value(); });
-    // Behind the joints such files have a table of their sets.
-    if (preamble && !table.rows.empty() &&
-        std::ranges::none_of(cells, [](const std::string& c) { return number_of(c).has_value(); })) {
-      context.problems.note_in(file.shown, line, "file", "what follows the joints is not read", "");
-      break;
-    }
-    if (!heading) table.rows.push_back({line, std::move(cells)});
-  }
-  if (table.rows.empty() && (!may_be_empty || table.columns.empty())) {
-    context.problems.error_in(file.shown, 1, "file", "holds no measurements", "add a line for each joint");
-    return std::nullopt;
-  }
-  return table;
+  return SurveyTableReader{context, file, may_be_empty}.run(columns);
 }
 
-void note_unread_columns(InputContext& context, const LoadedFile& file, const SurveyTable& table,
-                         std::initializer_list<string_view> read, string_view remedy) {
+bool check_columns(InputContext& context, const LoadedFile& file, const SurveyTable& table,
+                   std::initializer_list<string_view> read, string_view remedy) {
   std::string names;
-  bool measures = false;
+  bool measures = false, good = true;
   for (std::size_t k = 0; k < table.columns.size(); ++k) {
-    if (std::ranges::find(read, table.columns[k]) != read.end() || table.heads[k].empty()) continue;
-    names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", table.heads[k].substr(0, 40));
+    if (std::ranges::find(read, table.columns[k]) != read.end()) {
+      const std::size_t first = *table.column(table.columns[k]);
+      if (first == k) continue;
+      context.problems.error_in(file.shown, 1, "columns",
+                                fmt::format("{} comes twice: \"{}\" and \"{}\"", table.columns[k],
+                                            on_one_line(string_view{table.heads[first]}.substr(0, 40)),
+                                            on_one_line(string_view{table.heads[k]}.substr(0, 40))),
+                                "remove one");
+      good = false;
+    }
+    if (!good || table.heads[k].empty()) continue;
+    names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", on_one_line(string_view{table.heads[k]}.substr(0, 40)));
     measures = measures || table.columns[k] == "length" || table.columns[k] == "ends" ||
                table.columns[k].starts_with("spacing");
   }
-  if (names.empty()) return;
-  context.problems.note_in(file.shown, 1, "columns", "not read: " + names,
-                           measures ? std::string{remedy} : std::string{});
+  if (good && !names.empty()) {
+    context.problems.note_in(file.shown, 1, "columns", "not read: " + names,
+                             measures ? std::string{remedy} : std::string{});
+  }
+  return good;
 }
 
 std::optional<double> plain_number(const SurveyTable& table, const SurveyTable::Row& row, string_view name) {
@@ -263,9 +277,9 @@ std::optional<double> cell_number(InputContext& context, const LoadedFile& file,
   if (!at || *at >= row.cells.size() || row.cells[*at].empty()) return std::nullopt;
   const auto value = number_of(row.cells[*at]);
   if (!value) {
-    context.problems.error_in(file.shown, row.line, std::string{name},
-                              fmt::format("\"{}\" is not a number", row.cells[*at].substr(0, 40)),
-                              "correct or empty it");
+    context.problems.error_in(
+        file.shown, row.line, std::string{name}, fmt::format("\"{}\" is not a number", row.cells[*at].substr(0, 40)),
+        row.cells[*at].contains(',') ? io::remedy_of_number(row.cells[*at], table.separator) : "correct or empty it");
   }
   if (value && table.units[*at] != nullptr) return to_unit(*value, *table.units[*at]);
   return value;

@@ -13,7 +13,7 @@
 namespace cleave::scene {
 
 /// A table of field data: comma, semicolon, tab or blank separated, with a header, or with the columns that the survey
-/// names. Lines that begin with # are skipped.
+/// names; cells as io::CsvRows takes them.
 struct SurveyTable {
   struct Row {
     std::uint32_t line;
@@ -23,6 +23,7 @@ struct SurveyTable {
   std::vector<std::string> heads;    ///< as they are written
   std::vector<const Unit*> units;    ///< behind each name in brackets; null: in that of the column
   std::vector<Row> rows;
+  char separator = 0;
 
   [[nodiscard]] std::optional<std::size_t> column(std::string_view name) const;
 };
@@ -32,9 +33,10 @@ struct SurveyTable {
                                                            const std::vector<std::string>& columns,
                                                            bool may_be_empty = false);
 
-/// Notes the columns that are none of `read`; `remedy`: where trace lengths or spacings are among them.
-void note_unread_columns(InputContext& context, const LoadedFile& file, const SurveyTable& table,
-                         std::initializer_list<std::string_view> read, std::string_view remedy);
+/// Reports columns of `read` that come twice (then false), and notes the columns that are none of these; `remedy`:
+/// where trace lengths or spacings are among them.
+[[nodiscard]] bool check_columns(InputContext& context, const LoadedFile& file, const SurveyTable& table,
+                                 std::initializer_list<std::string_view> read, std::string_view remedy);
 
 /// A number of a cell; nothing when the cell is empty; reported when it is no number.
 [[nodiscard]] std::optional<double> cell_number(InputContext& context, const LoadedFile& file, const SurveyTable& table,

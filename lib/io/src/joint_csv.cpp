@@ -13,6 +13,7 @@
 #include "cleave/core/nearest.hpp"
 #include "cleave/core/text.hpp"
 #include "cleave/core/units.hpp"
+#include "cleave/io/field_tables.hpp"
 #include "cleave/io/file.hpp"
 #include "csv_table.hpp"
 #include "joint_slips.hpp"
@@ -260,7 +261,7 @@ class TableReader final {
     const auto value = number_of(plain);
     if (!value) {
       problem(row, column, ReadFault::bad_number, fmt::format("{}: {}", name_of(column), value.error()),
-              "give a number");
+              remedy_of_number(text, csv_.separator));
       return std::nullopt;
     }
     const Unit* unit = unit_[index(column)];
@@ -307,21 +308,10 @@ class TableReader final {
     return std::nullopt;
   }
 
-  /// Angles without a unit, all small and not all whole, may be radians.
-  void look_at(double inclination, double bearing) {
-    largest_inclination_ = std::max(largest_inclination_, inclination);
-    largest_bearing_ = std::max(largest_bearing_, bearing);
-    any_broken_ = any_broken_ || std::round(inclination) != inclination || std::round(bearing) != bearing;
-  }
   void note_radians() {
-    constexpr double right_angle = 1.571, whole_turn = 6.284;
     const Column inclined = has(Column::trend) ? Column::plunge : Column::dip;
-    const bool stated = unit_[index(inclined)] != nullptr;
-    if (stated || !any_broken_ || largest_inclination_ > right_angle || largest_bearing_ > whole_turn) return;
-    table_.notes.push_back(fmt::format(
-        "no {0} is above {1} and no direction above {2}, in degrees: if they are meant in radians, say so in the names "
-        "of the columns, as in \"{0} (rad)\"",
-        name_of(inclined), largest_inclination_, largest_bearing_));
+    if (unit_[index(inclined)] != nullptr) return;
+    if (auto note = angles_.note(name_of(inclined))) table_.notes.push_back(*std::move(note));
   }
   /// What to do about a direction beyond a whole turn.
   [[nodiscard]] static std::string remedy_of_direction(Column column, double degrees) {
@@ -332,7 +322,7 @@ class TableReader final {
   /// Of the pole: the normal that points down.
   geometry::Attitude of_pole(const CsvTable::Row& row) {
     const double trend = required(row, Column::trend), plunge = required(row, Column::plunge);
-    look_at(plunge, trend);
+    angles_.look_at(plunge, trend);
     if (!options_.wrap && !(plunge >= 0 && plunge <= 90)) {
       problem(row, Column::plunge, ReadFault::out_of_range, fmt::format("plunge is {}, outside 0..90", plunge),
               "correct it, or set wrap = true");
@@ -349,7 +339,7 @@ class TableReader final {
     const Column bearing = has(Column::strike) ? Column::strike : Column::dip_direction;
     const double dip = required(row, Column::dip);
     double direction = required(row, bearing);
-    look_at(dip, direction);
+    angles_.look_at(dip, direction);
     if (!options_.wrap) {
       if (!(dip >= 0 && dip <= 90)) {
         // In the other order the row would be right.
@@ -417,14 +407,8 @@ class TableReader final {
 
   void read_row(const CsvTable::Row& row) {
     const std::size_t before = problems_.size();
-    const bool too_long = row.cells.size() > csv_.header.size() &&
-                          std::any_of(row.cells.begin() + static_cast<std::ptrdiff_t>(csv_.header.size()),
-                                      row.cells.end(), [](const std::string& c) { return !c.empty(); });
-    if (too_long || row.cells.size() < csv_.header.size()) {
-      report(ReadFault::syntax, row.line, {},
-             fmt::format("{} cells, the header has {}", row.cells.size(), csv_.header.size()),
-             csv_.separator == ',' ? "give every column; with decimal commas separate columns by semicolons"
-                                   : "give every column");
+    if (auto fault = fault_of_row(row.cells, csv_.header.size(), csv_.separator)) {
+      report(ReadFault::syntax, row.line, {}, std::move(fault->what), std::move(fault->remedy));
       return;
     }
     JointRow joint{.line = row.line,
@@ -467,8 +451,7 @@ class TableReader final {
   std::array<const Unit*, column_count> unit_{};  ///< as stated behind the names
   std::vector<std::size_t> unknown_;              ///< columns that are not understood
   bool told_of_size_ = false;
-  double largest_inclination_ = 0, largest_bearing_ = 0;
-  bool any_broken_ = false;
+  AngleWatch angles_;
   bool seen_comma_ = false;
   bool seen_point_ = false;
   JointTable table_;

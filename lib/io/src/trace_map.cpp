@@ -9,8 +9,12 @@
 #include <system_error>
 #include <utility>
 
+#include "cleave/core/expected.hpp"
+#include "cleave/core/text.hpp"
 #include "cleave/core/units.hpp"
+#include "cleave/io/field_tables.hpp"
 #include "csv_table.hpp"
+#include "text.hpp"
 
 namespace cleave::io {
 namespace {
@@ -23,7 +27,7 @@ ReadError error(std::string_view name, ReadFault fault, std::optional<std::uint3
   return {fault, std::string{name}, line, {}, std::move(what), std::move(remedy)};
 }
 
-std::optional<double> number_of(std::string_view text) {
+std::optional<double> plain_number(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '+')) text.remove_prefix(1);
   while (!text.empty() && (text.back() == ' ' || text.back() == '\r')) text.remove_suffix(1);
   double value = 0;
@@ -76,6 +80,36 @@ bool add_geometry(const Json& geometry, TraceMap& map, std::size_t& skipped) {
   return true;
 }
 
+/// The name of its coordinate system: "urn:ogc:def:crs:EPSG::25832", "EPSG:4326".
+std::string crs_of(const Json& root) {
+  if (!root.contains("crs") || !root["crs"].is_object()) return {};
+  const Json& crs = root["crs"];
+  if (!crs.contains("properties") || !crs["properties"].is_object()) return {};
+  const Json& properties = crs["properties"];
+  for (const char* key : {"name", "code", "href"}) {
+    if (!properties.contains(key)) continue;
+    if (properties[key].is_string()) return properties[key].get<std::string>();
+    if (properties[key].is_number_integer()) return "EPSG:" + std::to_string(properties[key].get<std::int64_t>());
+  }
+  return {};
+}
+
+/// Whether a system counts in degrees, by its name or its number. Numbers from 4000 to 4999 are geographic systems but
+/// for a few; with coordinates of hundreds and more these few are not taken for degrees.
+bool is_geographic(std::string_view crs) {
+  constexpr std::array<std::string_view, 3> longitudes{"crs84", "crs83", "crs27"};
+  if (std::ranges::any_of(longitudes, [&](std::string_view word) { return crs.contains(word); })) return true;
+  constexpr std::array<std::string_view, 7> names{"wgs 84", "wgs84", "wgs_84", "gcs_", "etrs89", "nad83", "nad27"};
+  const bool projected = crs.find_first_of("/+") != std::string_view::npos || crs.contains("utm");
+  if (!projected && std::ranges::any_of(names, [&](std::string_view word) { return crs.starts_with(word); }))
+    return true;
+  const std::size_t first = crs.find_last_not_of("0123456789");
+  const std::string_view digits = crs.substr(first == std::string_view::npos ? 0 : first + 1);
+  const auto code = plain_number(digits);
+  constexpr std::array<double, 9> others{5498, 6318, 6319, 6668, 6706, 7844, 8997, 9057, 9777};
+  return code && ((*code >= 4000 && *code < 5000) || std::ranges::find(others, *code) != others.end());
+}
+
 std::expected<TraceMap, ReadError> parse_geojson(std::string_view bytes, std::string_view name) {
   const Json root = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
   if (root.is_discarded() || !root.is_object()) {
@@ -96,7 +130,8 @@ std::expected<TraceMap, ReadError> parse_geojson(std::string_view bytes, std::st
     return std::unexpected(
         error(name, ReadFault::syntax, 1, "holds a geometry without proper coordinates", "export it again"));
   }
-  bool degrees = !root.contains("crs");
+  const std::string crs = crs_of(root);
+  bool degrees = !root.contains("crs") || is_geographic(lower(crs));
   for (const auto* group : {&map.lines, &map.polygons}) {
     for (const Line& line : *group) {
       for (const auto& p : line) degrees = degrees && std::abs(p[0]) <= 180 && std::abs(p[1]) <= 90;
@@ -104,8 +139,9 @@ std::expected<TraceMap, ReadError> parse_geojson(std::string_view bytes, std::st
   }
   if (degrees && (!map.lines.empty() || !map.polygons.empty())) {
     return std::unexpected(error(name, ReadFault::out_of_range, 1,
-                                 "seems to be in degrees (no crs, all within 180 x 90)",
-                                 "export it in a metric projection, and keep its crs member"));
+                                 crs.empty() ? "seems to be in degrees (no crs, all within 180 x 90)"
+                                             : "is in degrees: its crs is " + shown(crs),
+                                 "project it to metres (the UTM zone, say) and export it with its crs member"));
   }
   if (skipped > 0) {
     std::string note = std::to_string(skipped);
@@ -113,6 +149,18 @@ std::expected<TraceMap, ReadError> parse_geojson(std::string_view bytes, std::st
     map.notes.push_back(std::move(note));
   }
   return map;
+}
+
+/// A comma right before a digit, where blanks or tabs part the numbers: it may be a decimal comma.
+bool has_decimal_commas(std::string_view line) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  bool comma = false, blank = false;
+  for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+    const bool after_digit = i > 0 && is_digit(line[i - 1]);
+    comma = comma || (line[i] == ',' && is_digit(line[i + 1]));
+    blank = blank || ((line[i] == ' ' || line[i] == '\t') && after_digit);
+  }
+  return comma && blank;
 }
 
 std::expected<TraceMap, ReadError> parse_fracpaq(std::string_view bytes, std::string_view name) {
@@ -124,13 +172,18 @@ std::expected<TraceMap, ReadError> parse_fracpaq(std::string_view bytes, std::st
     const std::size_t end = std::min(bytes.find('\n'), bytes.size());
     std::string_view text = bytes.substr(0, end);
     bytes.remove_prefix(std::min(end + 1, bytes.size()));
+    if (has_decimal_commas(text)) {
+      return std::unexpected(error(name, ReadFault::bad_number, number,
+                                   "holds both commas and blanks or tabs between digits",
+                                   "write decimal points, and separate coordinates by tabs"));
+    }
     std::vector<double> values;
     while (!text.empty()) {
       const std::size_t tab = std::min(text.find_first_of("\t ,"), text.size());
       const std::string_view field = text.substr(0, tab);
       text.remove_prefix(std::min(tab + 1, text.size()));
       if (field.empty() || field == "\r") continue;
-      const auto value = number_of(field);
+      const auto value = plain_number(field);
       if (!value) {
         std::string what{field.substr(0, 40)};
         what += " is not a number";
@@ -151,63 +204,140 @@ std::expected<TraceMap, ReadError> parse_fracpaq(std::string_view bytes, std::st
   return map;
 }
 
+/// A table of segments (x1, y1, x2, y2) or of points (trace, x, y).
+class TableOfTraces final {
+ public:
+  TableOfTraces(CsvTable table, std::string_view name) : table_{std::move(table)}, name_{name} {}
+
+  std::expected<TraceMap, ReadError> run() {
+    CLEAVE_CHECK(read_header());
+    for (CsvTable::Row& row : table_.rows) CLEAVE_CHECK(read_row(row));
+    if (begun_ != 0 && map_.lines.back().size() < 2) return std::unexpected(one_point());
+    return std::move(map_);
+  }
+
+ private:
+  [[nodiscard]] std::unexpected<ReadError> bad_header(std::string what, std::string remedy) const {
+    return std::unexpected(
+        error(name_, ReadFault::bad_columns, table_.header_line, std::move(what), std::move(remedy)));
+  }
+  [[nodiscard]] std::optional<std::size_t> column(std::string_view word) const {
+    const auto it = std::ranges::find(table_.header, word);
+    if (it == table_.header.end()) return std::nullopt;
+    return static_cast<std::size_t>(it - table_.header.begin());
+  }
+
+  [[nodiscard]] bool is_read(std::size_t at) const {
+    return at == trace_ || std::ranges::find(coordinates_, at) != coordinates_.end();
+  }
+
+  std::expected<void, ReadError> read_header() {
+    for (const std::string_view word : {"x1", "y1", "x2", "y2"}) {
+      if (const auto at = column(word)) coordinates_.push_back(*at);
+    }
+    if (coordinates_.size() < 4) {
+      trace_ = column("trace");
+      const auto x = column("x"), y = column("y");
+      if (!trace_ || !x || !y)
+        return bad_header("lacks the columns of a trace map", "give x1, y1, x2, y2, or trace, x, y");
+      coordinates_ = {*x, *y};
+    }
+    std::string others;
+    for (std::size_t c = 0; c < table_.header.size(); ++c) {
+      const std::string& head = table_.header[c];
+      if (is_read(c)) continue;
+      if (is_read(*column(head))) {
+        return bad_header("column " + shown(head) + " comes twice", "remove one");
+      }
+      if (!head.empty()) others += (others.empty() ? "" : ", ") + shown(head);
+    }
+    if (!others.empty()) {
+      map_.notes.push_back("columns not read: " + others +
+                           "; traces have no orientation of their own and fall into sets by [[set]]");
+    }
+    for (const std::size_t c : coordinates_) {
+      const std::string& stated = table_.units[c];
+      if (stated.empty()) continue;
+      const Unit* unit = find_unit("m", stated);
+      if (unit == nullptr || stated != table_.units[coordinates_.front()]) {
+        return bad_header("states a unit of coordinates that is not understood, or several",
+                          "state one unit of length for all coordinates, such as (m) or (cm)");
+      }
+      scale_ = to_unit(1, *unit);
+    }
+    return {};
+  }
+
+  /// Of a point or segment; a decimal comma where semicolons part the cells and no number of the table has a point.
+  std::expected<double, ReadError> coordinate(const CsvTable::Row& row, std::size_t at) {
+    std::string cell = row.cells[at];
+    const auto fault = [&](std::string what, std::string remedy) {
+      ReadError wrong = error(name_, ReadFault::bad_number, row.line, std::move(what), std::move(remedy));
+      wrong.column = static_cast<std::uint32_t>(at) + 1;
+      return std::unexpected(std::move(wrong));
+    };
+    const bool point = cell.contains('.'), comma = table_.separator == ';' && take_decimal_comma(cell);
+    const auto value = plain_number(cell);
+    if (!value) {
+      return fault(table_.header[at] + ": " + shown(row.cells[at]) + " is not a number",
+                   row.cells[at].contains(',') ? remedy_of_number(row.cells[at], table_.separator)
+                                               : "correct or remove the line");
+    }
+    if ((comma && seen_point_) || (point && seen_comma_)) {
+      return fault(
+          table_.header[at] + ": " + shown(row.cells[at]) + ": some numbers have a decimal comma, others a point",
+          "use one of them throughout");
+    }
+    seen_comma_ = seen_comma_ || comma;
+    seen_point_ = seen_point_ || point;
+    return scale_ * *value;
+  }
+
+  std::expected<void, ReadError> read_row(const CsvTable::Row& row) {
+    if (auto fault = fault_of_row(row.cells, table_.header.size(), table_.separator)) {
+      return std::unexpected(
+          error(name_, ReadFault::syntax, row.line, std::move(fault->what), std::move(fault->remedy)));
+    }
+    Line points;
+    for (std::size_t k = 0; k < coordinates_.size(); k += 2) {
+      CLEAVE_TRY(const double x, coordinate(row, coordinates_[k]));
+      CLEAVE_TRY(const double y, coordinate(row, coordinates_[k + 1]));
+      points.push_back({x, y});
+    }
+    if (!trace_) {
+      map_.lines.push_back(std::move(points));
+      return {};
+    }
+    const std::string& id = row.cells[*trace_];
+    if (begun_ == 0 || id != last_) {
+      if (begun_ != 0 && map_.lines.back().size() < 2) return std::unexpected(one_point());
+      map_.lines.emplace_back();
+      begun_ = row.line;
+    }
+    last_ = id;
+    map_.lines.back().push_back(points.front());
+    return {};
+  }
+
+  [[nodiscard]] ReadError one_point() const {
+    return error(name_, ReadFault::syntax, begun_, "holds a trace of one point",
+                 "give every trace two rows or more, one behind the other, or remove it");
+  }
+
+  CsvTable table_;
+  std::string_view name_;
+  std::vector<std::size_t> coordinates_;  ///< columns, x and y in turn
+  std::optional<std::size_t> trace_;
+  double scale_ = 1;  ///< m a unit of the header
+  std::string last_;
+  std::uint32_t begun_ = 0;  ///< line of the file on which the last trace of points begins
+  bool seen_comma_ = false, seen_point_ = false;
+  TraceMap map_;
+};
+
 std::expected<TraceMap, ReadError> parse_table(std::string_view bytes, std::string_view name) {
-  auto table = parse_csv(bytes, name);
-  if (!table) return std::unexpected(std::move(table).error());
-  const auto column = [&](std::string_view word) -> std::optional<std::size_t> {
-    const auto it = std::ranges::find(table->header, word);
-    if (it == table->header.end()) return std::nullopt;
-    return static_cast<std::size_t>(it - table->header.begin());
-  };
-  TraceMap map;
-  const auto x1 = column("x1"), y1 = column("y1"), x2 = column("x2"), y2 = column("y2");
-  const auto trace = column("trace"), x = column("x"), y = column("y");
-  const bool segments = x1 && y1 && x2 && y2;
-  if (!segments && !(trace && x && y)) {
-    return std::unexpected(error(name, ReadFault::bad_columns, table->header_line, "lacks the columns of a trace map",
-                                 "give x1, y1, x2, y2, or trace, x, y"));
-  }
-  double scale = 1;
-  for (std::size_t c = 0; c < table->header.size(); ++c) {
-    const bool coordinate = segments ? c == *x1 || c == *y1 || c == *x2 || c == *y2 : c == *x || c == *y;
-    if (!coordinate || table->units[c].empty()) continue;
-    const Unit* unit = find_unit("m", table->units[c]);
-    if (unit == nullptr || table->units[c] != table->units[segments ? *x1 : *x]) {
-      return std::unexpected(error(name, ReadFault::bad_columns, table->header_line,
-                                   "states a unit of coordinates that is not understood, or several",
-                                   "state one unit of length for all coordinates, such as (m) or (cm)"));
-    }
-    scale = to_unit(1, *unit);
-  }
-  std::string last;
-  std::uint32_t begun = 0;  // line of the file
-  const auto one_point = [&] {
-    return std::unexpected(error(name, ReadFault::syntax, begun, "holds a trace of one point",
-                                 "give every trace two rows or more, one behind the other, or remove it"));
-  };
-  for (const CsvTable::Row& row : table->rows) {
-    const auto value = [&](std::size_t at) { return at < row.cells.size() ? number_of(row.cells[at]) : std::nullopt; };
-    const auto a = value(segments ? *x1 : *x), b = value(segments ? *y1 : *y);
-    const auto c = segments ? value(*x2) : a, d = segments ? value(*y2) : b;
-    if (!a || !b || !c || !d) {
-      return std::unexpected(error(name, ReadFault::bad_number, row.line, "holds a coordinate that is no number",
-                                   "correct or remove the line"));
-    }
-    if (segments) {
-      map.lines.push_back({{scale * *a, scale * *b}, {scale * *c, scale * *d}});
-      continue;
-    }
-    const std::string id = *trace < row.cells.size() ? row.cells[*trace] : std::string{};
-    if (map.lines.empty() || id != last) {
-      if (!map.lines.empty() && map.lines.back().size() < 2) return one_point();
-      map.lines.emplace_back();
-      begun = row.line;
-    }
-    last = id;
-    map.lines.back().push_back({scale * *a, scale * *b});
-  }
-  if (!map.lines.empty() && map.lines.back().size() < 2) return one_point();
-  return map;
+  CLEAVE_TRY(CsvTable table, parse_csv(bytes, name));
+  return TableOfTraces{std::move(table), name}.run();
 }
 
 }  // namespace

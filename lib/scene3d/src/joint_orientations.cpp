@@ -62,7 +62,8 @@ namespace {
 
 /// Normals of a table of orientations, drawn with replacement.
 std::optional<dfn::OrientationLaw> parse_bootstrap(Context& context, const TableReader& table) {
-  for (const string_view key : {"dip", "dip_direction", "trend", "plunge"}) {
+  for (const string_view key : {"dip", "dip_direction", "trend", "plunge", "kappa", "dip_range", "dip_direction_range",
+                                "dip_std", "dip_direction_std", "correlation", "k1", "k2", "axis"}) {
     if (table.has(key)) table.error(key, "has no meaning for the distribution \"bootstrap\"", "remove it");
   }
   const auto jitter = table.number("jitter");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <initializer_list>
 #include <utility>
 
 #include "cleave/core/overloaded.hpp"
@@ -34,14 +35,16 @@ constexpr std::array<string_view, 5> shape_words{"rectangle", "square", "disc", 
 const KeyTable& size_keys() {
   static const KeyTable keys{
       .name = "size",
-      .keys = {{"distribution", key::word<dfn::SizeDistribution>(), required, "law of the size"},
-               {"mean", key::number(size_rule), "", "m, before the law is cut to `min`..`max`"},
-               {"std", key::number(rule::length_or_zero), "", "m, before the law is cut"},
-               {"min", key::number(rule::length_or_zero), "", "m"},
-               {"max", key::number(rule::length), "", "m"},
-               {"clamp", key::flag(), "false",
-                "true: what the law draws beyond `min` or `max` becomes these; false: it is drawn again"},
-               {"exponent", key::number(exponent_rule), "", "of the power law"}}};
+      .keys = {
+          {"distribution", key::word<dfn::SizeDistribution>(), required, "law of the size"},
+          {"mean", key::number(size_rule), "",
+           "m, before the law is cut to `min`..`max`; not of `power` and `uniform`"},
+          {"std", key::number(rule::length_or_zero), "", "m, before the law is cut: of `normal`, `lognormal`, `gamma`"},
+          {"min", key::number(rule::length_or_zero), "", "m"},
+          {"max", key::number(rule::length), "", "m"},
+          {"clamp", key::flag(), "false",
+           "true: what the law draws beyond `min` or `max` becomes these; false: it is drawn again"},
+          {"exponent", key::number(exponent_rule), "", "of the power law"}}};
   return keys;
 }
 
@@ -78,6 +81,36 @@ std::optional<std::size_t> distribution_of(const TableReader& table, string_view
     return std::nullopt;
   }
   return table.choice("distribution");
+}
+
+/// Keys of a law (by its word) that say nothing about it, with the law that each may be meant for.
+void refuse_keys_of_others(const TableReader& table, string_view law,
+                           std::initializer_list<std::pair<string_view, string_view>> keys) {
+  for (const auto& [key, owner] : keys) {
+    if (!table.has(key)) continue;
+    table.error(key, fmt::format("has no meaning for the distribution \"{}\"", law),
+                owner.empty() ? "remove it" : fmt::format("remove it, or set distribution = \"{}\"", owner));
+  }
+}
+
+void refuse_keys_of_other_sizes(const TableReader& table, dfn::SizeDistribution law) {
+  const string_view word = enum_name(law);
+  if (law != dfn::SizeDistribution::power) refuse_keys_of_others(table, word, {{"exponent", "power"}});
+  switch (law) {
+    case dfn::SizeDistribution::constant:
+      refuse_keys_of_others(table, word, {{"std", "normal"}, {"clamp", "normal"}});
+      break;
+    case dfn::SizeDistribution::exponential: refuse_keys_of_others(table, word, {{"std", "gamma"}}); break;
+    case dfn::SizeDistribution::power:
+      refuse_keys_of_others(table, word, {{"mean", "exponential"}, {"std", "lognormal"}});
+      break;
+    case dfn::SizeDistribution::uniform:
+      refuse_keys_of_others(table, word, {{"mean", "exponential"}, {"std", "normal"}, {"clamp", "normal"}});
+      break;
+    case dfn::SizeDistribution::normal:
+    case dfn::SizeDistribution::lognormal:
+    case dfn::SizeDistribution::gamma: break;
+  }
 }
 
 }  // namespace
@@ -157,6 +190,7 @@ std::optional<dfn::SizeLaw> parse_size(const TableReader& set, string_view key) 
     spec.max = length("max");
     spec.exponent = table.number("exponent");
     spec.clamp = table.flag("clamp");
+    if (law) refuse_keys_of_other_sizes(table, static_cast<dfn::SizeDistribution>(*law));
     // A lower limit of 0 says no more than that sizes are positive.
     if (spec.min && spec.min->si() == 0) spec.min = std::nullopt;
     if (!law || set.problems().errors() != before) return std::nullopt;
@@ -199,6 +233,10 @@ std::optional<dfn::RotationLaw> parse_rotation(const TableReader& set) {
   const TableReader table = *set.sub("rotation");
   const auto law = distribution_of(table, rotation_laws.front());
   if (!law) return std::nullopt;
+  const string_view word = rotation_laws[*law];
+  if (*law == 0) refuse_keys_of_others(table, word, {{"mean", "normal"}, {"std", "normal"}});
+  if (*law != 0) refuse_keys_of_others(table, word, {{"min", "uniform"}, {"max", "uniform"}});
+  if (*law == 2) refuse_keys_of_others(table, word, {{"std", "normal"}});
   if (*law == 0) {
     const auto from = table.need_number("min"), to = table.need_number("max");
     if (!from || !to) return std::nullopt;
