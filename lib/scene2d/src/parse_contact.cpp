@@ -331,11 +331,7 @@ void parse_dilation(const TableReader& table, const ContactJoint& otherwise, Con
 std::vector<ContactJoint> parse_strengths(const TableReader& root) {
   std::vector<ContactJoint> out{{.name = "default"}};
   const TomlTable* found = root.table("joints");
-  if (found == nullptr || found->entries.empty()) {
-    root.note("joints", "no strength is stated: friction 30 degrees, no cohesion, no tension",
-              "write [joints.default] with friction = DEGREES");
-    return out;
-  }
+  if (found == nullptr) return out;
   struct Named {
     TableReader table;
     std::size_t at;
@@ -391,10 +387,16 @@ std::vector<ContactJoint> parse_strengths(const TableReader& root) {
   return out;
 }
 
-/// A table of strengths that no side has is most likely a name that was misspelt.
+/// What bodies rub by, stated or not. A table of strengths that no side has is most likely a name that was misspelt.
 void check_joints_used(const TableReader& root, const ContactScene& scene) {
   const TomlTable* found = root.table("joints");
-  if (found == nullptr || root.problems().errors() != 0) return;
+  if (root.problems().errors() != 0) return;
+  if (found == nullptr || found->entries.empty()) {
+    if (scene.bodies.size() < 2) return;
+    root.note("joints", "no strength is stated: friction 30 degrees, no cohesion, no tension",
+              "write [joints.default] with friction = DEGREES");
+    return;
+  }
   std::vector<std::uint8_t> used(scene.joints.size(), 0);
   used.front() = 1;
   for (const ContactBody& body : scene.bodies) {
