@@ -56,6 +56,7 @@ void expect_same(const ContactResult& a, const ContactResult& b) {
     EXPECT_EQ(a.bodies[k].moved_at, b.bodies[k].moved_at);
     EXPECT_EQ(a.bodies[k].touched, b.bodies[k].touched);
     EXPECT_EQ(a.bodies[k].turned, b.bodies[k].turned);
+    EXPECT_EQ(a.bodies[k].goes_on, b.bodies[k].goes_on);
     EXPECT_EQ(a.bodies[k].force, b.bodies[k].force);
     EXPECT_EQ(a.bodies[k].outline, b.bodies[k].outline);
     EXPECT_EQ(a.bodies[k].name, b.bodies[k].name);
@@ -211,12 +212,12 @@ TEST(ContactStateTest, TheVerdictIsThatOfTheStepsWhateverIsDrawn) {
 /// Whoever makes the sum right again can still make no result that cannot be drawn.
 TEST(ContactStateTest, ForgedStatesAreRefusedOrRun) {
   const std::string text = "[contact]\nduration = 0.05\nstep = 0.01\nframes = 2\n" + ground + block;
-  const std::string whole{unsealed("cleave-contact-state", 2, ran(text)->state).value()};
+  const std::string whole{unsealed("cleave-contact-state", 3, ran(text)->state).value()};
   std::size_t refused = 0;
   for (std::size_t k = 0; k < whole.size(); ++k) {
     std::string bytes = whole;
     bytes[k] = static_cast<char>(bytes[k] ^ 0x81);
-    const auto result = ran(text, {.from = SavedRun{"forged", sealed("cleave-contact-state", 2, bytes)}});
+    const auto result = ran(text, {.from = SavedRun{"forged", sealed("cleave-contact-state", 3, bytes)}});
     if (!result) {
       ++refused;
       continue;

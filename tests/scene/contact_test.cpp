@@ -224,7 +224,7 @@ TEST(ContactScene, OutlinesAreWhatTheySay) {
       motion +
       "[joints.A]\nfriction = 10\n[joints.B]\nfriction = 20\n"
       "[[body]]\nname = \"turned\"\noutline = [[0, 0], [0, 1], [2, 1], [2, 0]]\njoint = [\"A\", \"B\", \"B\", \"B\"]\n"
-      "load = [{ side = 1, pressure = 5 }]\n"
+      "load = [{ side = 1, pressure = 5e3 }]\n"
       "[[body]]\nname = \"disc\"\ncircle = { centre = [9, 0], radius = 2, sides = 12 }\n"
       "[[body]]\nname = \"stone\"\nvoussoir = { centre = [20, 0], radius = 1, thickness = 0.2, from = 0, to = 30 }\n"
       "repeat = { count = 6, rotation = 30, centre = [20, 0] }\n");

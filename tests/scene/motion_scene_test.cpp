@@ -112,6 +112,18 @@ TEST(MotionScene, GroundIsReadAxisByAxis) {
   EXPECT_DOUBLE_EQ(pulse->largest(), std::sqrt(14.0));
 }
 
+TEST(MotionScene, GroundInGIsAskedAbout) {
+  const auto meant = [](const std::string& ground) {
+    std::string out;
+    for (const Problem& note : scene_of(shaken("ground = { " + ground + " }\n")).notes) out += note.remedy + '\n';
+    return out;
+  };
+  EXPECT_TRUE(meant("acceleration = [-0.2, 0, 0.1]").contains("write \"-0.2 g\""));
+  EXPECT_TRUE(meant("record = { step = 0.1, x = [0, -0.3, 0], z = [0, 0.1, 0] }").contains("write scale = 9.81"));
+  EXPECT_FALSE(meant("acceleration = [\"-0.2 g\", 0, 0]").contains(" g"));
+  EXPECT_FALSE(meant("record = { step = 0.1, x = [0, -0.3, 0], scale = 9.81 }").contains("scale"));
+}
+
 TEST(MotionScene, GroundThatPushesAndDropsLetsABlockSlide) {
   const auto path = [](const std::string& ground) {
     const RunResult result = moved(shaken("duration = 0.5\nstep = 0.005\nground = { " + ground + " }\n"));

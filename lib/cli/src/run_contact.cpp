@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "cleave/report/contact.hpp"
@@ -12,6 +14,20 @@
 
 namespace cleave::cli {
 namespace {
+
+/// "  2 bolts act, 1 broke: "anchor"".
+std::string bolts_of(const scene::ContactResult& result) {
+  std::size_t broke = 0;
+  std::string names;
+  for (const scene::ContactBoltResult& bolt : result.bolts) {
+    if (bolt.state != scene::BoltState::broken) continue;
+    if (broke < 3) names += (broke == 0 ? ": \"" : ", \"") + bolt.name + "\"";
+    ++broke;
+  }
+  if (broke > 3) names += ", ...";
+  return fmt::format("  bolts at {} {}, {} broke{}\n", result.bolts.size(),
+                     result.bolts.size() == 1 ? "joint" : "joints", broke, names);
+}
 
 std::string figures_of(const scene::ContactResult& result) {
   const std::string end = !result.to_rest    ? fmt::format("to {:.6g} s", result.end_time)
@@ -27,6 +43,7 @@ std::string figures_of(const scene::ContactResult& result) {
     text += say(", first \"{moved_first}\", seen at {moved_since_s:.3g} s; in all ", figures) + counts_of(verdict);
   }
   text += '\n';
+  if (!result.bolts.empty()) text += bolts_of(result);
   text += result.error ? fmt::format("estimated error of the steps {:.1e}\n", *result.error)
                        : fmt::format("no estimate of the error of the steps: {}\n", result.no_estimate);
   for (std::size_t p = 0; p < result.points.size() && !result.history.empty(); ++p) {

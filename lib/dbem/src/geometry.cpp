@@ -83,6 +83,9 @@ void ContactSearch::rebuild_pairs(const State& at, const std::vector<Box2>& box,
   pairs = overlapping_pairs(fat, lazy);
 }
 
+/// Corners that met are pressed past each other by springs: up to this share of the smaller feature they are one place.
+constexpr double met_by_springs = 0.05;
+
 void ContactSearch::find(const State& at, const std::vector<Vec2>& all, const std::vector<Box2>& box, double step,
                          std::vector<ContactCandidate>& out, std::vector<CornerChoice>& undecided, double& longest) {
   out.clear();
@@ -100,6 +103,9 @@ void ContactSearch::find(const State& at, const std::vector<Vec2>& all, const st
               box[b].high.x + reach > fat[b].high.x || box[b].high.y + reach > fat[b].high.y;
   }
   if (rebuild) rebuild_pairs(at, box, step);
+  const bool soft = laws.otherwise.normal_stiffness || std::ranges::any_of(laws.pairs, [](const PairLaw& p) {
+                      return p.law.normal_stiffness.has_value();
+                    });
   for (const auto [a, b] : pairs) {
     if (idle(a) && idle(b)) continue;
     const Vec2 apart = {std::max({0.0, box[a].low.x - box[b].high.x, box[b].low.x - box[a].high.x}),
@@ -115,13 +121,14 @@ void ContactSearch::find(const State& at, const std::vector<Vec2>& all, const st
     if (distance > margin + ridden) continue;
     const double near = 1e-5 * feature;
     const std::size_t before = out.size();
-    find_candidates(placed(all, box, a), placed(all, box, b),
-                    {.margin = margin + ridden,
-                     .depth = std::max(margin, 0.3 * feature),
-                     .near = near,
-                     .corner = std::clamp(margin, near, 0.3 * feature),
-                     .touching = 2 * contact_depth * feature},
-                    drift(at, {a, 0, b, 0}, step), out, undecided);
+    find_candidates(
+        placed(all, box, a), placed(all, box, b),
+        {.margin = margin + ridden,
+         .depth = std::max(margin, 0.3 * feature),
+         .near = near,
+         .corner = std::clamp(soft ? std::max(margin, met_by_springs * feature) : margin, near, 0.3 * feature),
+         .touching = 2 * contact_depth * feature},
+        drift(at, {a, 0, b, 0}, step), out, undecided);
     for (std::size_t k = before; k < out.size(); ++k) ride(out[k], at);
   }
 }

@@ -117,18 +117,20 @@ void World::Impl::make_bonds() {
     if (done[first] != 0 || !bonded || t.gap > 1e-6 * feature) continue;
     const std::vector<Along> all = closed_stretch(*this, first);
     const auto section = static_cast<std::uint32_t>(sections.size());
+    const Vec2 along = turned_left(t.normal);
     const double middle = 0.5 * (all.front().at + all.back().at);
     sections.push_back({all.back().at - all.front().at, law.tension});
     double& weakest = sections.back().tension;
     for (std::size_t k = 0; k < all.size(); ++k) {
       const double left = k > 0 ? all[k].at - all[k - 1].at : 0.0;
       const double right = k + 1 < all.size() ? all[k + 1].at - all[k].at : 0.0;
-      const double length = 0.5 * (left + right);
-      const JointLaw& own = law_of(touches[all[k].touch]);
+      const ContactCandidate& here = touches[all[k].touch];
+      const double length = share_of(here, -along, left) * left + share_of(here, along, right) * right;
+      const JointLaw& own = law_of(here);
       weakest = std::min(weakest, own.tension);
       done[all[k].touch] = 1;
-      add_bond(touches[all[k].touch], {own.cohesion * length, own.tension * length, own.residual_cohesion * length,
-                                       section, all[k].at - middle});
+      add_bond(here, {own.cohesion * length, own.tension * length, own.residual_cohesion * length, section,
+                      all[k].at - middle});
     }
   }
   std::ranges::sort(bond_keys);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "world_impl.hpp"
 
@@ -30,9 +31,25 @@ double goes_on(const Outline& of, std::size_t at, bool forwards, Vec2 along, dou
   return far;
 }
 
-/// Length of the joint that a contact stands for: half the way to the next corner of either body along it, on either
-/// side, where the side of the corner lies nearly along the edge; of a corner that touches alone `alone`.
-double length_of(const Outline& own, std::size_t vertex, const Outline& other, std::size_t edge, double alone) {
+/// Of the edge of a body that lies on a stretch from its corner `at` along `along`: what the corner stands for. Empty
+/// where the body has no shares, or none of its edges is the stretch.
+std::optional<double> own_share(const Body& body, std::span<const Vec2> corners, std::size_t at, Vec2 along,
+                                double length) {
+  constexpr double nearly = 1e-3;
+  if (body.shares.empty()) return std::nullopt;
+  const std::size_t n = corners.size(), before = (at + n - 1) % n;
+  const auto is_stretch = [&](std::size_t end) {
+    return norm(corners[end] - corners[at] - length * along) <= nearly * length;
+  };
+  if (is_stretch((at + 1) % n)) return body.shares[at];
+  return is_stretch(before) ? std::optional{1 - body.shares[before]} : std::nullopt;
+}
+
+/// Length of the joint that a contact stands for: its share of the way to the next corner of either body along it, on
+/// either side, where the side of the corner lies nearly along the edge; of a corner that touches alone `alone`.
+template <class Share>
+double length_of(const Outline& own, std::size_t vertex, const Outline& other, std::size_t edge, double alone,
+                 const Share& share) {
   constexpr double nearly = 0.5, in_line = 1e-3;
   const std::size_t n = own.corners.size(), next = (edge + 1) % other.corners.size();
   const Vec2 p = own.corners[vertex], from = other.corners[edge], to = other.corners[next];
@@ -50,7 +67,8 @@ double length_of(const Outline& own, std::size_t vertex, const Outline& other, s
     if (reach <= 0) continue;
     const Vec2 side = own.corners[forwards ? (vertex + 1) % n : (vertex + n - 1) % n] - p;
     const double left = dot(side, along) > 0 ? left_of_edge(next, true) : left_of_edge(edge, false);
-    length += 0.5 * std::min(reach, left);
+    const double whole = std::min(reach, left);
+    length += share(side / norm(side), whole) * whole;
   }
   return std::max(length, alone);
 }
@@ -60,13 +78,28 @@ constexpr double length_alone = 0.05;
 
 }  // namespace
 
+double JointState::share_of(const ContactCandidate& t, Vec2 along, double length) const {
+  std::optional<double> found = own_share(bodies[t.i], corners_of(corners, t.i), t.vertex, along, length);
+  const auto others = corners_of(corners, t.j);
+  const Vec2 p = corners_of(corners, t.i)[t.vertex];
+  for (const std::size_t end : {std::size_t{t.edge}, (t.edge + 1) % others.size()}) {
+    if (norm(others[end] - p) > 1e-2 * length) continue;
+    const auto other = own_share(bodies[t.j], others, end, along, length);
+    // Elements of two bodies that do not fit: as if there were none.
+    if (found && other && std::abs(*found - *other) > 1e-9) return 0.5;
+    if (other) found = other;
+  }
+  return found.value_or(0.5);
+}
+
 Vec2 JointState::compliance_of(const ContactCandidate& t) const {
   if (t.tie != no_tie) return {1 / ties[t.tie].stiffness.si(), 0};
   const JointLaw& law = law_of(t);
   if (!law.normal_stiffness && !law.shear_stiffness) return {law.compliance, law.compliance};
   const double alone = length_alone * std::min(shapes[t.i].feature, shapes[t.j].feature);
-  const double length = length_of({corners_of(corners, t.i), shapes[t.i].sharp}, t.vertex,
-                                  {corners_of(corners, t.j), shapes[t.j].sharp}, t.edge, alone);
+  const double length =
+      length_of({corners_of(corners, t.i), shapes[t.i].sharp}, t.vertex, {corners_of(corners, t.j), shapes[t.j].sharp},
+                t.edge, alone, [&](Vec2 along, double whole) { return share_of(t, along, whole); });
   return {law.normal_stiffness ? 1 / (*law.normal_stiffness * length) : 0.0,
           law.shear_stiffness ? 1 / (*law.shear_stiffness * length) : 0.0};
 }

@@ -177,6 +177,10 @@ std::optional<WorldError> make_shape(const Body& body, Shape& shape) {
   if (!body.properties.empty() && body.properties.size() != n) {
     return BadOutline{body.name, fmt::format("{} joint properties for {} edges", body.properties.size(), n)};
   }
+  const auto is_share = [](double share) { return share >= 0 && share <= 1; };
+  if (!body.shares.empty() && (body.shares.size() != n || !std::ranges::all_of(body.shares, is_share))) {
+    return BadOutline{body.name, fmt::format("not one share from 0 to 1 for each of {} edges", n)};
+  }
   for (const PointForce& force : body.forces) {
     if (!good(force.at) || !good(force.force)) return BadForce{body.name, "place and force must be finite"};
     const BoundaryPoint at = nearest_on(shape.corners, force.at - shape.local_centroid);

@@ -63,6 +63,9 @@ struct JointState : WorldState {
   [[nodiscard]] double friction_of(const ContactCandidate& t, const Bond* bond) const;
   /// Of the springs in the joint at a contact, normal and tangential, m2/N; 0: rigid.
   [[nodiscard]] Vec2 compliance_of(const ContactCandidate& t) const;
+  /// Of a closed stretch of `length` that begins at a contact and runs along `along` (a unit vector): the share of it
+  /// that the contact stands for.
+  [[nodiscard]] double share_of(const ContactCandidate& t, Vec2 along, double length) const;
   /// Gap and normal of a contact of rough faces that have slipped; others stay as they are.
   void ride(ContactCandidate& touch, const State& at) const;
   [[nodiscard]] double ride_between(std::size_t a, std::size_t b) const {

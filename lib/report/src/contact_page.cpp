@@ -172,6 +172,12 @@ std::string verdict_figure(const scene::ContactResult& result) {
   const scene::ContactVerdict verdict = scene::verdict_of(result);
   const std::string until = result.converged ? "" : ", until it stopped at " + display(result.end_time, 4) + " s";
   const std::string name{name_of(verdict)};
+  if (!verdict.motion && verdict.known && verdict.going_on > 0) {
+    return key_figure("verdict", name,
+                      "no body moved by more than 1 % of its size, but " + display_count(verdict.going_on) +
+                          (verdict.going_on == 1 ? " goes on moving at the end" : " go on moving at the end"),
+                      "bad");
+  }
   if (!verdict.motion) {
     return key_figure("verdict", name, "no body moved by more than 1 % of its size" + until,
                       verdict.known ? "good" : "bad");

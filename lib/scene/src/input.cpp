@@ -1,6 +1,10 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "cleave/core/nearest.hpp"
 #include "cleave/core/sha256.hpp"
 #include "cleave/scene/common_keys.hpp"
 
@@ -35,6 +39,13 @@ Key declination_key() {
       "declination", key::number(rule), "0",
       "degrees, added to all trends, strikes and dip directions of the file: of compasses that show magnetic north, "
       "positive to the east"};
+}
+
+void report_unused_joints(Problems& problems, std::uint32_t line, const std::string& name,
+                          const std::vector<std::string_view>& names, std::string what, std::string otherwise) {
+  const auto guess = nearest(name, names);
+  problems.error(line, "joints." + name, std::move(what),
+                 guess ? fmt::format("did you mean \"{}\"?", *guess) : std::move(otherwise));
 }
 
 std::string file_name_of(const std::string& shown) {

@@ -140,7 +140,11 @@ const TomlEntry* TableReader::one_of(std::span<const std::string_view> keys) con
 }
 
 void TableReader::note_unusual(std::string_view key, const NumberRule& rule) const {
-  if (const TomlEntry* entry = find(key)) note_unusual({&entry->node, 1}, path_of(key), rule);
+  const TomlEntry* entry = find(key);
+  if (entry == nullptr) return;
+  const auto* array = std::get_if<TomlArray>(&entry->node.value);
+  note_unusual(array != nullptr ? std::span<const TomlNode>{array->items} : std::span{&entry->node, 1}, path_of(key),
+               rule);
 }
 
 void TableReader::note_unusual(std::span<const TomlNode> nodes, const std::string& path, const NumberRule& rule) const {

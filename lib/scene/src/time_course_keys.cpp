@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "cleave/core/fields.hpp"
@@ -37,6 +38,15 @@ void parse_record(const TableReader& table, TimeCourse<V>& course) {
     for (std::size_t k = 0; k < values.size(); ++k) course.record[k].*axis.part = values[k];
   }
   if (!any) table.missing("x", "write the accelerations: x = [0, 0.5, ...]");
+  double largest = 0;
+  for (const V& value : course.record) largest = std::max(largest, std::abs(scale) * norm(value));
+  if (ground_rule.is_usual(largest)) return;
+  table.problems().note(
+      table.line(), table.path(),
+      fmt::format("has {:.3g} m/s2 as its largest acceleration, which is far from usual ({:g} to {:g})", largest,
+                  ground_rule.usual->low, ground_rule.usual->high),
+      likely_unit(largest, ground_rule) ? "if it is meant in g, write scale = 9.81"
+                                        : "it is taken as it stands: check it");
 }
 
 template <class V>

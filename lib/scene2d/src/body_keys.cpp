@@ -115,12 +115,13 @@ bem::InSitu parse_in_situ(const TableReader& table) {
   return {.stress = stress_of("stress"), .level = table.value("level"), .gradient = stress_of("gradient")};
 }
 
-RockDefaults parse_rock_defaults(const TableReader& root) {
+RockDefaults parse_rock_defaults(const TableReader& root, const NumberRule& density) {
   RockDefaults out;
   const auto found = root.sub("rock");
   if (!found) return out;
   const TableReader& table = *found;
   out.density = table.value("density");
+  table.note_unusual("density", density);
   out.young = table.number("young");
   out.poisson = table.number("poisson");
   out.young_given = table.has("young");

@@ -59,7 +59,8 @@ struct RockDefaults {
   double density = 2700;
   bool young_given = false, poisson_given = false;  ///< rightly or wrongly (then reported there)
 };
-[[nodiscard]] RockDefaults parse_rock_defaults(const TableReader& root);
+/// With a note on a density that is unusual by `density`.
+[[nodiscard]] RockDefaults parse_rock_defaults(const TableReader& root, const NumberRule& density = body_density_rule);
 
 /// Keys schema, title, seed and [output], and where the scene comes from.
 template <class PlaneScene>

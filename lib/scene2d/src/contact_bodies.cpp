@@ -19,7 +19,8 @@ using bem::Vec2;
 /// A node of a boundary, as a part of a side of the outline.
 struct SideNode {
   std::size_t side;
-  double t;  ///< from its first corner to the next
+  double t;      ///< from its first corner to the next
+  double share;  ///< of the way to the next node, see dbem::Body::shares
 };
 
 /// The operator of one shape in the axes of the body it was built for.
@@ -105,7 +106,9 @@ std::expected<Shape, Problem> make_shape(const ContactScene& scene, std::size_t 
       const Vec2 x = shape.block.centroid() + mesh.nodes[element.node[a]].x;
       double t = dot(x - start, along) / dot(along, along);
       if (std::abs(t) < 1e-12) t = 0;
-      shape.outline.push_back({element.side, t});
+      // Simpson's weights, 1 4 1, of an element with a node in its middle.
+      const double share = nodes == 1 ? 0.5 : a == 0 ? 1.0 / 3 : 2.0 / 3;
+      shape.outline.push_back({element.side, t, share});
       shape.node.push_back(element.node[a]);
     }
   }
@@ -289,6 +292,7 @@ std::expected<PreparedBodies, std::vector<Problem>> prepare_bodies(const Contact
       const Vec2 along = spec.corners[(node.side + 1) % spec.corners.size()] - start;
       body.outline.push_back(start - body.origin + node.t * along);
       body.properties.push_back(spec.joint[node.side]);
+      body.shares.push_back(node.share);
     }
     body.modes = turned(shape.modes, *angle);
     load_elastic(spec, shape, *angle, scene.settings.gravity, body);

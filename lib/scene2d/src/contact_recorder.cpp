@@ -122,10 +122,12 @@ void Recorder::bodies_moved(double time) {
   for (const dbem::Contact& contact : world_.contacts()) {
     if (contact.state != dbem::ContactState::open) touching_[contact.vertex_body] = touching_[contact.edge_body] = 1;
   }
+  std::vector<ContactPlacement> places;
   for (std::size_t b = 0; b < result_.bodies.size(); ++b) {
     ContactBodyResult& body = result_.bodies[b];
-    if (body.fixed || world_.asleep(b)) continue;
     const ContactPlacement place{body.start + world_.displacement(b), world_.rotation(b)};
+    places.push_back(place);
+    if (body.fixed || world_.asleep(b)) continue;
     note_step(body, Time::from_si(time), place, touching_[b] != 0);
     if (body.elastic) {
       const std::vector<Vec2> corners = world_.outline(b);
@@ -140,6 +142,7 @@ void Recorder::bodies_moved(double time) {
     }
     result_.largest_displacement = std::max(result_.largest_displacement, body.largest);
   }
+  if (!scene_.settings.to_rest) tally_.trail.note(time, result_.bodies, places);
 }
 
 void Recorder::row(const dbem::StepReport& report) {
@@ -195,6 +198,12 @@ void Recorder::finish() {
   for (const dbem::Contact& contact : world_.contacts()) {
     result_.bodies[contact.vertex_body].force += force_of(contact);
     result_.bodies[contact.edge_body].force -= force_of(contact);
+  }
+  for (std::size_t b = 0; b < result_.bodies.size(); ++b) {
+    ContactBodyResult& body = result_.bodies[b];
+    if (body.fixed || world_.asleep(b) || scene_.settings.to_rest) continue;
+    const double speed = norm(world_.velocity(b)) + std::abs(world_.spin(b)) * body.size.si() / 2;
+    body.goes_on = tally_.trail.goes_on(b, body.size.si(), speed, result_.end_time);
   }
   finish_bolts();
   for (std::size_t m = 0; m < tally_.shares.size(); ++m) {

@@ -7,6 +7,7 @@
 #include "cleave/dbem/world.hpp"
 #include "cleave/scene2d/contact.hpp"
 #include "contact_bodies.hpp"
+#include "motion_trail.hpp"
 
 namespace cleave::scene {
 
@@ -18,7 +19,8 @@ struct ContactTally {
   bem::Vec2 expected;                            ///< momentum that weight and supports gave
   std::vector<double> largest;                   ///< force of each tie, N/m
   std::vector<std::optional<double>> broken_at;  ///< s
-  bool hit = false;                              ///< something hit, or slip turned round: errors of first order
+  MotionTrail trail;
+  bool hit = false;  ///< something hit, or slip turned round: errors of first order
 };
 
 /// Follows a run and writes down what is asked for.

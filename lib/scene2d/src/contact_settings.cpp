@@ -31,11 +31,13 @@ constexpr double in_a_gap = 0.01;
 /// Of the scene's extent, as a limit of the move in a step. Contacts are closed within 1e-9: less is no move.
 constexpr NumberRule move_rule{1e-8, false, 1, false, ""};
 
+constexpr NumberRule rock_strength_rule = NumberRule{0, false, 1e12, false, " Pa"}.usually(1e3, 1e9);
+
 const KeyTable& rock_strength_keys() {
   static const KeyTable keys{.name = "contact.strength",
-                             .keys = {{"cohesion", key::number({0, false, 1e12, false, " Pa"}), required, "Pa"},
+                             .keys = {{"cohesion", key::number(rock_strength_rule), required, "Pa"},
                                       {"friction", key::number({0, false, 89, false, " degrees"}), required, "degrees"},
-                                      {"tension", key::number({0, false, 1e12, false, " Pa"}), required, "Pa"}}};
+                                      {"tension", key::number(rock_strength_rule), required, "Pa"}}};
   return keys;
 }
 
@@ -111,7 +113,7 @@ const KeyTable& ground_record_keys() {
 const KeyTable& ground_keys() {
   static const KeyTable keys{
       .name = "contact.ground",
-      .keys = {{"acceleration", key::pair(rule::acceleration), "", "`[x, y]` in m/s2, times `time`"},
+      .keys = {{"acceleration", key::pair(ground_rule), "", "`[x, y]` in m/s2, times `time`"},
                {"time", key::table(&time_function_keys), "constant",
                 "as of a load: `step`, `ramp`, `pulse` or `harmonic`"},
                {"record", key::table(&ground_record_keys), "", "`{ step, x, y, scale }`: an accelerogram"}},

@@ -1,6 +1,7 @@
 #include "contact_state.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -12,8 +13,16 @@
 namespace cleave::scene {
 
 template <class A>
+void archive(A& a, Archived<MotionTrail::Span> auto& s) {
+  a(s.at, s.reach);
+}
+template <class A>
+void archive(A& a, Archived<MotionTrail> auto& t) {
+  a(t.length, t.spans);
+}
+template <class A>
 void archive(A& a, Archived<ContactTally> auto& t) {
-  a(t.shares, t.solves, t.lowest, t.scale, t.expected, t.largest, t.broken_at, t.hit);
+  a(t.shares, t.solves, t.lowest, t.scale, t.expected, t.largest, t.broken_at, t.trail, t.hit);
 }
 template <class A>
 void archive(A& a, Archived<ContactPlace> auto& p) {
@@ -77,7 +86,7 @@ void archive(A& a, const RockStrength& s) {
 namespace {
 
 constexpr std::string_view state_kind = "cleave-contact-state";
-constexpr std::uint32_t version_of_state = 2;
+constexpr std::uint32_t version_of_state = 3;
 
 /// Of what a state must agree with but the world does not know.
 std::string identity_of(const ContactScene& scene) {
@@ -103,6 +112,13 @@ bool is_sound(const ContactResult& result, std::size_t bodies, std::size_t point
   return result.bodies.size() == bodies && !result.frames.empty() && !result.history.empty() &&
          std::ranges::all_of(result.frames, frame) &&
          std::ranges::all_of(result.history, [&](const ContactHistory& h) { return h.points.size() == points; });
+}
+
+bool is_sound(const MotionTrail& trail, std::size_t bodies) {
+  const auto span = [&](const MotionTrail::Span& s) { return s.reach.size() == MotionTrail::parts * bodies; };
+  return trail.spans.empty() ||
+         (trail.length > 0 && std::isfinite(trail.length) && std::ranges::all_of(trail.spans, span) &&
+          std::ranges::is_sorted(trail.spans, std::ranges::less{}, &MotionTrail::Span::at));
 }
 
 constexpr StateKind kind_of_state{
@@ -140,7 +156,8 @@ std::optional<Problem> go_on_from(const SavedRun& saved, const ContactScene& sce
   }
   read.bodies = std::move(bodies);
   if (!is_sound(read, scene.bodies.size(), scene.points.size()) || !(was.next > 0) ||
-      tally.largest.size() != world.ties().size() || tally.broken_at.size() != world.ties().size()) {
+      !is_sound(tally.trail, scene.bodies.size()) || tally.largest.size() != world.ties().size() ||
+      tally.broken_at.size() != world.ties().size()) {
     return because(SavedFault::damaged);
   }
   if (const auto restored = world.restore(world_bytes); !restored) {

@@ -19,6 +19,11 @@ using bem::Vec2;
 using std::string_view;
 
 constexpr NumberRule dilation_rule{0, false, 60, false, " degrees"};
+constexpr NumberRule water_rule = rule::stress.usually(1e3, 1e8);
+constexpr NumberRule joint_stiffness_rule = NumberRule{0, true, 1e18, false, " Pa/m"}.usually(1e7, 1e13);
+// Sizes of rock that moves by its weight: elastic bodies by themselves may be of any.
+constexpr NumberRule rock_density_rule = body_density_rule.usually(rule::density.usual->low, rule::density.usual->high);
+constexpr NumberRule side_pressure_rule = pressure_rule.usually(1e3, 1e9);
 constexpr std::array<string_view, 1> fixed_word{"fixed"};
 
 const KeyTable& contact_strength_keys() {
@@ -27,19 +32,19 @@ const KeyTable& contact_strength_keys() {
       .keys = {{"friction", key::number(rule::friction), "30", "degrees"},
                {"residual_friction", key::number(rule::friction), "`friction`",
                 "degrees, where a contact has slipped or opened, and of new contacts"},
-               {"cohesion", key::number(rule::stress), "0", "Pa, until a contact breaks"},
-               {"residual_cohesion", key::number(rule::stress), "0",
+               {"cohesion", key::number(rule::strength), "0", "Pa, until a contact breaks"},
+               {"residual_cohesion", key::number(rule::strength), "0",
                 "Pa, where a contact of the start has slipped, until it opens"},
-               {"tension", key::number(rule::stress), "0", "Pa, until a contact breaks"},
+               {"tension", key::number(rule::strength), "0", "Pa, until a contact breaks"},
                {"dilation", key::number(dilation_rule), "0",
                 "degrees, part of `friction`: faces closed at the start ride up by this when they slip"},
                {"dilation_slip", key::number(rule::length), "", "m, slip at which they rise no further"},
-               {"water_pressure", key::number(rule::stress), "0",
+               {"water_pressure", key::number(water_rule), "0",
                 "Pa, of water between faces closed at the start: pushes both apart on that length all the time"},
                {"water_table", key::number(rule::coordinate), "",
                 "m, height of still water: adds 9810 Pa to that for each metre below it"},
-               {"normal_stiffness", key::number({0, true, 1e18, false, " Pa/m"}), "rigid", "Pa/m, of the joint"},
-               {"shear_stiffness", key::number({0, true, 1e18, false, " Pa/m"}), "`normal_stiffness`",
+               {"normal_stiffness", key::number(joint_stiffness_rule), "rigid", "Pa/m, of the joint"},
+               {"shear_stiffness", key::number(joint_stiffness_rule), "`normal_stiffness`",
                 "Pa/m, until friction is reached"}}};
   return keys;
 }
@@ -152,6 +157,7 @@ void parse_loads(const TableReader& body, const ContactOutline& outline, Contact
                     point ? "a force acts at a point: remove this key" : "it acts on whole sides: remove this key");
       }
     }
+    for (const string_view key : {"pressure", "traction"}) table.note_unusual(key, side_pressure_rule);
     ContactLoad load;
     load.line = table.line();
     load.time = parse_time_function(table, load.follows);
@@ -274,6 +280,7 @@ void parse_body(const TableReader& body, const RockDefaults& defaults, const Joi
   if (!spec.fixed && !(spec.density > 0)) {
     body.error("density", "a body that moves needs a mass: its density is 0", "give kg/m3, say 2700, or fixed = true");
   }
+  body.note_unusual("density", rock_density_rule);
   const ContactOutline outline = parse_contact_outline(body);
   spec.corners = outline.corners;
   parse_side_joints(body, outline, joints, spec);
@@ -370,12 +377,40 @@ std::vector<ContactJoint> parse_strengths(const TableReader& root) {
     joint.water_table = out[0].water_table;
     if (const auto table = named.table.number("water_table")) joint.water_table = Length::from_si(*table);
   }
-  if (std::ranges::none_of(tables, [](const Named& n) { return n.at == 0 && n.table.has("friction"); }) &&
-      std::ranges::any_of(out, [&](const ContactJoint& j) { return j.name == "default"; }) && tables.empty()) {
-    root.note("joints", "no strength is stated: friction 30 degrees, no cohesion, no tension",
-              "write [joints.default] with friction = DEGREES");
+  const auto states = [](const Named& named) { return named.table.has("friction"); };
+  if (std::ranges::any_of(tables, [&](const Named& named) { return named.at == 0 && states(named); })) return out;
+  for (const Named& named : tables) {
+    if (states(named)) continue;
+    root.problems().note(named.table.line(), named.table.path(), "states no friction: 30 degrees is taken",
+                         "write friction = DEGREES there, or in [joints.default]");
   }
   return out;
+}
+
+/// What bodies rub by, stated or not. A table of strengths that no side has is most likely a name that was misspelt.
+void check_joints_used(const TableReader& root, const ContactScene& scene) {
+  const TomlTable* found = root.table("joints");
+  if (root.problems().errors() != 0) return;
+  if (found == nullptr || found->entries.empty()) {
+    if (scene.bodies.size() < 2) return;
+    root.note("joints", "no strength is stated: friction 30 degrees, no cohesion, no tension",
+              "write [joints.default] with friction = DEGREES");
+    return;
+  }
+  std::vector<std::uint8_t> used(scene.joints.size(), 0);
+  used.front() = 1;
+  for (const ContactBody& body : scene.bodies) {
+    for (const std::size_t joint : body.joint) used[joint] = 1;
+  }
+  std::vector<string_view> names;
+  for (std::size_t k = 0; k < used.size(); ++k) {
+    if (used[k] != 0) names.emplace_back(scene.joints[k].name);
+  }
+  for (const TomlEntry& entry : found->entries) {
+    if (std::ranges::find(names, entry.key) != names.end()) continue;
+    report_unused_joints(root.problems(), entry.line, entry.key, names, "no side of a body has this joint",
+                         "remove it, or name it in joint of a body");
+  }
 }
 
 }  // namespace
@@ -419,7 +454,7 @@ std::expected<ContactScene, std::vector<Problem>> parse_contact(string_view text
   ContactScene scene;
   parse_plane_head(root, text, shown, scene);
   for (const TomlEntry& entry : tree->entries) scene.given.push_back(entry.key);
-  const RockDefaults defaults = parse_rock_defaults(root);
+  const RockDefaults defaults = parse_rock_defaults(root, rock_density_rule);
   scene.joints = parse_strengths(root);
   const JointNames joints{scene.joints};
   const std::vector<TableReader> bodies = root.each("body");
@@ -436,6 +471,7 @@ std::expected<ContactScene, std::vector<Problem>> parse_contact(string_view text
     parse_bolts(root, scene);
     check_elastic(scene, contact, problems);
   }
+  check_joints_used(root, scene);
   if (problems.errors() == 0) {
     check_elements(scene, contact, problems);
     check_forces(scene, problems);

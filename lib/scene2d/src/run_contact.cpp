@@ -4,6 +4,8 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "body_runs.hpp"
 #include "cleave/dbem/world.hpp"
@@ -186,6 +188,17 @@ void note_of_swing(const ContactScene& scene, const dbem::World& world, ContactR
       swing->bolt, swing->period, step, swing->period / 100));
 }
 
+/// What the end of a run shows that its verdict does not say.
+void note_the_end(ContactResult& result) {
+  if (std::string moving = note_of_going_on(result); !moving.empty()) result.notes.push_back(std::move(moving));
+  for (const ContactBoltResult& bolt : result.bolts) {
+    if (bolt.state != BoltState::broken || !bolt.broken_at) continue;
+    result.notes.push_back(fmt::format("bolt \"{}\" broke between \"{}\" and \"{}\" at {:.3g} s: it held {:.4g} kN",
+                                       bolt.name, bolt.first, bolt.second, bolt.broken_at->si(),
+                                       bolt.capacity.si() / 1000));
+  }
+}
+
 }  // namespace
 
 std::vector<Vec2> corners_at(const ContactResult& result, std::size_t frame, std::size_t body) {
@@ -255,6 +268,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
       follow(running);
     }
     recorder.finish();
+    note_the_end(result);
     const auto with = [&](double longer) -> std::optional<dbem::World> {
       dbem::WorldOptions long_steps = options;
       for (double* bound : {&long_steps.step, &long_steps.displacement, &long_steps.rotation}) *bound *= longer;

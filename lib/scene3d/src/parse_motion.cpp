@@ -26,7 +26,7 @@ const KeyTable& moving_ground_record_keys() {
 const KeyTable& moving_ground_keys() {
   static const KeyTable keys{
       .name = "motion.ground",
-      .keys = {{"acceleration", key::vector(rule::acceleration), "", "`[x, y, z]` in m/s2, times `time`"},
+      .keys = {{"acceleration", key::vector(ground_rule), "", "`[x, y, z]` in m/s2, times `time`"},
                {"time", key::table(&time_function_keys), "constant", "`step`, `ramp`, `pulse` or `harmonic`"},
                {"record", key::table(&moving_ground_record_keys), "", "`{ step, x, y, z, scale }`: an accelerogram"}},
       .one_of = {{"acceleration", "record"}}};

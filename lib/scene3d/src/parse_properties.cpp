@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "cleave/core/nearest.hpp"
 #include "cleave/core/special.hpp"
 #include "cleave/scene3d/key_tables.hpp"
 #include "context.hpp"
@@ -280,9 +279,8 @@ void parse_properties(Context& context, const TableReader& root) {
       used = true;
     }
     if (used || context.problems.errors() != 0) continue;  // its joints may be among what is wrong
-    const auto guess = nearest(name, names);
-    context.problems.error(line, "joints." + name, "no joint belongs to this set",
-                           guess ? fmt::format("did you mean \"{}\"?", *guess) : "remove it, or name a set so");
+    report_unused_joints(context.problems, line, name, names, "no joint belongs to this set",
+                         "remove it, or name a set so");
   }
 }
 

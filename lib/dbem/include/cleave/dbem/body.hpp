@@ -63,6 +63,9 @@ struct Body {
   /// One an edge (from corner k to the next) instead of `property`; empty: all the same. A corner counts to the one of
   /// its two edges that lies more nearly along the edge it touches.
   std::vector<std::size_t> properties = {};
+  /// Of each edge the share of its length that its first corner stands for under an even pressure, the second having
+  /// the rest; empty: halves. Elements of second order want a third from an end to their middle.
+  std::vector<double> shares = {};
   std::optional<ModalBasis> modes = {};
   std::vector<PointForce> forces = {};
 };

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -32,6 +34,11 @@ struct InputContext {
 [[nodiscard]] Project parse_project(const TableReader& root);
 [[nodiscard]] const KeyTable& output_keys();
 [[nodiscard]] OutputSettings parse_output(const TableReader& root);
+
+/// The table [joints.NAME], which none of `names` goes by: an error with `what`, and the name that was meant or
+/// `otherwise`.
+void report_unused_joints(Problems& problems, std::uint32_t line, const std::string& name,
+                          const std::vector<std::string_view>& names, std::string what, std::string otherwise);
 
 /// "b.toml" of "a/b.toml".
 [[nodiscard]] std::string file_name_of(const std::string& shown);

@@ -89,7 +89,8 @@ class TableReader final {
   void note(std::string_view key, std::string what, std::string remedy) const;
   /// Reports `key` as missing.
   void missing(std::string_view key, std::string remedy) const;
-  /// A note where the bare number under `key` is none of the usual ones of `rule`, with the likely unit.
+  /// A note where the bare number under `key`, or the largest of its list, is none of the usual ones of `rule`, with
+  /// the likely unit.
   void note_unusual(std::string_view key, const NumberRule& rule) const;
   /// Exactly one of `keys` must be there: that one, or empty after a report.
   [[nodiscard]] const TomlEntry* one_of(std::span<const std::string_view> keys) const;

@@ -9,6 +9,9 @@ namespace cleave::scene {
 
 inline constexpr NumberRule time_rule{0, true, 1e12, false, " s"};
 
+/// The largest of a ground that moves: weak earthquakes have 0.05 g, and none has 5 g.
+inline constexpr NumberRule ground_rule = rule::acceleration.usually(0.5, 50);
+
 /// Of a `time`.
 [[nodiscard]] const KeyTable& time_function_keys();
 /// `time = { kind, duration, frequency, follows }` of a load; a constant when absent.

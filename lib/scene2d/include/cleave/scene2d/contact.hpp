@@ -278,6 +278,8 @@ struct ContactBodyResult {
   std::optional<Time> moved_at;  ///< end of the first step that left it farther from its start than 1 % of that
   bool touched = false;          ///< something, at the end of that step
   double turned = 0;             ///< the most of its rotation, to either side
+  /// At the end of a run in time: how fast it still goes on, see docs/contact.md (m/s). Empty: it does not.
+  std::optional<double> goes_on;
 };
 struct ContactResult : Scene2dResult {
   std::uint64_t cut_steps = 0;
@@ -312,12 +314,13 @@ void note_step(ContactBodyResult& body, Time time, const ContactPlacement& place
 /// after some step, its turn counted at half its size.
 enum class BodyMotion : std::uint8_t {
   slides,
-  topples,  ///< turned by more than 5 degrees
+  topples,  ///< turned by more than 5 degrees, or its way is mostly one of turning
   falls,    ///< touched nothing after the first step in which it had moved
 };
 struct ContactVerdict {
   bool known = true;                      ///< false: the run stopped before anything moved
   std::array<std::uint64_t, 3> bodies{};  ///< how many moved, by BodyMotion
+  std::uint64_t going_on = 0;             ///< have not moved so far, but go on moving at the end
   /// Of the body that moved first; of several in one step the one that went farthest for its size. Empty: none moved.
   std::optional<BodyMotion> motion;
   std::optional<Time> since;  ///< end of the step in which it had
@@ -325,10 +328,13 @@ struct ContactVerdict {
   [[nodiscard]] std::uint64_t moved() const { return bodies[0] + bodies[1] + bodies[2]; }
 };
 inline constexpr std::string_view name_of(const ContactVerdict& verdict) {
-  return verdict.motion ? enum_name(*verdict.motion) : verdict.known ? "stands" : "not known";
+  if (verdict.motion) return enum_name(*verdict.motion);
+  return !verdict.known ? "not known" : verdict.going_on > 0 ? "still moving" : "stands";
 }
 /// "2 slid, 1 toppled".
 [[nodiscard]] std::string counts_of(const ContactVerdict& verdict);
+/// Which bodies have not moved so far but go on moving, how fast, and what to do; empty: none.
+[[nodiscard]] std::string note_of_going_on(const ContactResult& result);
 /// By all steps of the run; of a run that stopped, up to where it came.
 [[nodiscard]] ContactVerdict verdict_of(const ContactResult& result);
 
@@ -340,12 +346,13 @@ void scene2d_fields(V& v, const ContactResult& x) {
   const std::string name_of_first = verdict.since ? x.bodies[verdict.first].name : std::string{};
   v("contact", group([&](auto& w) {
       status_fields(w, x);
-      w("verdict", one_of(name_of(verdict), {"stands", "slides", "topples", "falls", "not known"}),
-        "of the body that moved first; stands: none moved by more than 1 % of its size; not known: the run stopped "
-        "before one did");
+      w("verdict", one_of(name_of(verdict), {"stands", "slides", "topples", "falls", "still moving", "not known"}),
+        "of the body that moved first; stands: none moved by more than 1 % of its size, and none goes on moving; still "
+        "moving: one goes on; not known: the run stopped before one moved");
       w("bodies_slid", verdict.bodies[0]);
-      w("bodies_toppled", verdict.bodies[1], "turned by more than 5 degrees");
+      w("bodies_toppled", verdict.bodies[1], "turned by more than 5 degrees, or more than they went along");
       w("bodies_fell", verdict.bodies[2], "touched nothing when they had moved");
+      w("bodies_still_moving", verdict.going_on, "have not moved so far, but go on at the end");
       w("moved_since_s", verdict.since, "end of the first step after which a body had moved");
       w("moved_first", when(verdict.since.has_value(), name_of_first), "which body that is");
       w("steps", x.steps);
@@ -361,6 +368,7 @@ void scene2d_fields(V& v, const ContactResult& x) {
             "since the start, degrees counter-clockwise, whole turns counted");
           b("fixed", body.fixed);
           b("max_displacement_m", body.largest);
+          b("goes_on_m_s", body.goes_on, "still moving at the end: how fast, over the last tenth of the time");
           b("contact_force", body.force, "sum of the contact forces on it in the last step, N/m");
         }));
       w("points", each(x.points, [&](auto& p, const PointSpec& point, std::size_t at) {
