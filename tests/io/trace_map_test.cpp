@@ -81,8 +81,8 @@ TEST(TraceMapTest, MapsInDegreesAreRefused) {
     const std::string why = refused(map(named(name), "[11.5,48]"), "a.geojson");
     EXPECT_TRUE(why.contains("is in degrees: its crs is") && why.contains("project it to metres")) << name << why;
   }
-  EXPECT_TRUE(
-      refused(map(R"("crs":{"type":"EPSG","properties":{"code":4326}},)", "[11.5,48]"), "a.json").contains("\"EPSG:4326\""));
+  EXPECT_TRUE(refused(map(R"("crs":{"type":"EPSG","properties":{"code":4326}},)", "[11.5,48]"), "a.json")
+                  .contains("\"EPSG:4326\""));
   // Local coordinates of a projected system, and one of the few projected ones with a number of 4000 and more.
   for (const std::string name : {"EPSG:25832", "urn:ogc:def:crs:EPSG::3067", "WGS 84 / UTM zone 32N", ""}) {
     EXPECT_EQ(map_of(map(named(name), "[11.5,48]"), "a.geojson").lines.size(), 1U) << name;

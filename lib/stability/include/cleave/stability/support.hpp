@@ -208,9 +208,9 @@ struct SupportedBlock {
   /// Its free faces cannot take what it received: the pressure is beyond the plan's `most_pressure`, its own is not.
   /// The blocks that pass it have to be held.
   bool passed_on = false;
-  double missing_force = 0;                     ///< N beyond all support, 0 when held
-  /// m of shotcrete that would hold it alone; empty without shotcrete, and where none would: it has no edge against rock
-  /// that stays, or the bond along it gives way first.
+  double missing_force = 0;  ///< N beyond all support, 0 when held
+  /// m of shotcrete that would hold it alone; empty without shotcrete, and where none would: it has no edge against
+  /// rock that stays, or the bond along it gives way first.
   std::optional<double> needed_thickness = {};
 };
 
