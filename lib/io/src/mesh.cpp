@@ -141,9 +141,9 @@ std::expected<geometry::Solid, geometry::SolidError> solid_of(const MeshData& me
 std::expected<MeshData, ReadError> read_mesh(const std::filesystem::path& path) {
   const std::string name = path.string();
   const std::string extension = lower(path.extension().string());
-  const bool known = extension == ".obj" || extension == ".stl" || extension == ".ply";
+  const bool by_name = extension == ".obj" || extension == ".stl" || extension == ".ply";
   CLEAVE_TRY(const std::string bytes, read_file(path));
-  if (!known) {
+  if (!by_name) {
     return std::unexpected(whole_file(ReadFault::unknown_format, name,
                                       "the kind of this file cannot be told by its name",
                                       "name it .obj, .stl or .ply"));
