@@ -177,16 +177,19 @@ class SurveyParser final {
         if (!rules.core) return;
       }
       if (at && oriented) normal = normal_of_row(context_, *file, *data, row, rules);
-      const std::size_t times = at && (normal || !oriented) ? quantity_of(context_, *file, *data, row) : 0;
+      const std::size_t times = at ? quantity_of(context_, *file, *data, row) : 0;
       const std::string set = set_of_row(context_, *file, *data, row, "");
       for (std::size_t i = 0; i < times; ++i) {
         line.positions.push_back(*at);
+        line.sets.push_back(set);
         if (lengths) line.lengths.push_back(length_of(*file, *data, row));
+        // A joint without an orientation is one that the line meets.
+        auto& joint = line.joints.emplace_back();
         if (!normal) continue;
-        line.joints.push_back(in_.orientations.size());
+        joint = in_.orientations.size();
         in_.orientations.push_back({*normal, set, line.direction_at(*at), std::nullopt});
       }
-      if (too_many(context_, *file, in_)) return;
+      if (too_many(context_, *file, std::max(in_.orientations.size(), line.positions.size()))) return;
       if (context_.problems.errors() != before && ++wrong >= 20) return;
     }
     in_.lines.push_back(std::move(line));

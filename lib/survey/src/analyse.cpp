@@ -13,6 +13,7 @@
 #include "line.hpp"
 #include "lines_and_windows.hpp"
 #include "set_laws.hpp"
+#include "unoriented.hpp"
 
 namespace cleave::survey {
 
@@ -31,6 +32,7 @@ class Analysis final {
     assign();
     for (std::size_t k = 0; k < out_.sets.size(); ++k) orient(k);
     assign_traces();
+    assign_on_lines();
     for (std::size_t k = 0; k < out_.sets.size(); ++k) {
       if (const SetRule* rule = rule_of(out_.sets[k])) out_.sets[k].shape = rule->shape;
       lines(k);
@@ -251,16 +253,53 @@ class Analysis final {
     }
   }
 
+  /// Joints on lines to sets: by their orientation, else by the set that is stated of them, else by what there is.
+  void assign_on_lines() {
+    const std::size_t none = out_.sets.size();
+    const bool one = none == 1 && out_.unassigned == 0;
+    const auto stated = [&](const std::string& name) -> std::optional<std::size_t> {
+      if (one || in_.clusters || name.empty()) return one ? std::optional<std::size_t>{0} : std::nullopt;
+      return static_cast<std::size_t>(std::ranges::find(out_.sets, name, &SetResult::name) - out_.sets.begin());
+    };
+    std::vector<std::vector<double>> lengths(none + 1);
+    for (const LineSurvey& line : in_.lines) {
+      detail::SetsOnLine& sets = line_sets_.emplace_back();
+      for (std::size_t i = 0; i < line.positions.size(); ++i) {
+        if (i < line.joints.size() && line.joints[i]) {
+          sets.push_back(out_.set_of[*line.joints[i]].value_or(none));
+        } else {
+          sets.push_back(stated(i < line.sets.size() ? line.sets[i] : ""));
+        }
+      }
+      lengths[none].push_back(line.length());
+    }
+    for (std::size_t k = 0; k < none; ++k) {
+      for (const LineSurvey& line : in_.lines) {
+        lengths[k].push_back(has_mean(out_.sets[k]) ? length_met(out_.sets[k], line) : 0);
+      }
+    }
+    shared_ = detail::share_out(line_sets_, lengths);
+  }
+
+  static bool has_mean(const SetResult& set) { return set.joints > 0 || set.orientation_stated; }
+  /// Length of a line times E|n.l| of a set.
+  static double length_met(const SetResult& set, const LineSurvey& line) {
+    double sum = 0;
+    for (const auto& [direction, length] : line.pieces) {
+      sum += length * mean_line_cosine(set.orientation.mean, set.orientation.kappa, direction);
+    }
+    return sum;
+  }
+
   void lines(std::size_t k) {
     SetResult& set = out_.sets[k];
-    if (set.joints == 0) return;  // it has no mean
-    std::size_t joints = 0;
-    for (const LineSurvey& line : in_.lines) {
+    if (!has_mean(set)) return;
+    for (std::size_t l = 0; l < in_.lines.size(); ++l) {
+      const LineSurvey& line = in_.lines[l];
       std::vector<double> positions;
-      for (std::size_t i = 0; i < line.joints.size(); ++i) {
-        if (out_.set_of[line.joints[i]] == k) positions.push_back(line.positions[i]);
+      for (std::size_t i = 0; i < line.positions.size(); ++i) {
+        if (line_sets_[l][i] == k) positions.push_back(line.positions[i]);
       }
-      joints += positions.size();
       const double cosine = std::abs(dot(set.orientation.mean, line.direction_at(line.length() / 2)));
       for (const double gap : gaps_of(std::move(positions))) set.gaps.push_back(gap * cosine);
     }
@@ -276,8 +315,17 @@ class Analysis final {
     const Estimate area_length = over_orientations(set, [&](Vec3 mean, double kappa) {
       return over_pieces([&](Vec3 l) { return mean_line_cosine(mean, kappa, l); });
     });
-    if (joints == 0 || !(*area_length.value > 0)) return;
-    const Estimate met = frequency(joints, 1, in_.confidence);
+    const std::size_t known = shared_.known[k];
+    if (known == 0 || !(*area_length.value > 0)) return;
+    const double joints = static_cast<double>(known) + shared_.shared[k];
+    const Estimate met = detail::counted(joints, shared_.effective(k), in_.confidence);
+    if (shared_.shared[k] > 0) {
+      set.notes.push_back(
+          fmt::format("{} joints on lines are known to be of this set; {:.1f} of the {} that have neither orientation "
+                      "nor set are counted for its P10 and P32, as each line meets the sets; spacings leave them out "
+                      "and are too long, {:.2g} times if they lack by chance",
+                      known, shared_.shared[k], shared_.unknown, joints / static_cast<double>(known)));
+    }
     set.p10_normal = over(met, normal_length, "P10 along the mean normal",
                           "sum N / sum(L |n.l|), exact Poisson interval with the error of the orientation");
     set.p32_lines = over(met, area_length, "P32",
@@ -389,11 +437,10 @@ class Analysis final {
     if (set.traces > 0) return;
     std::vector<SeenLength> lengths;
     double truncation = 0;
-    for (const LineSurvey& line : in_.lines) {
+    for (std::size_t l = 0; l < in_.lines.size(); ++l) {
+      const LineSurvey& line = in_.lines[l];
       for (std::size_t i = 0; i < line.lengths.size(); ++i) {
-        if (!line.lengths[i]) continue;
-        const bool own = i < line.joints.size() ? out_.set_of[line.joints[i]] == k : out_.sets.size() == 1;
-        if (own) lengths.push_back(*line.lengths[i]);
+        if (line.lengths[i] && line_sets_[l][i] == k) lengths.push_back(*line.lengths[i]);
       }
       if (!line.lengths.empty()) truncation = std::max(truncation, line.truncation.si());
     }
@@ -444,15 +491,39 @@ class Analysis final {
   }
 
   void whole() {
-    for (const LineSurvey& line : in_.lines) out_.lines.push_back(detail::result_of(line, in_.confidence));
+    for (std::size_t l = 0; l < in_.lines.size(); ++l) {
+      out_.lines.push_back(detail::result_of(in_.lines[l], in_.confidence));
+      if (auto note = unoriented_note(l)) out_.notes.push_back(*std::move(note));
+    }
     for (std::size_t w = 0; w < in_.windows.size(); ++w) {
       out_.windows.push_back(detail::result_of(in_.windows[w], seen_[w], in_.confidence));
       if (auto note = detail::border_note(in_.windows[w])) out_.notes.push_back(*std::move(note));
     }
   }
 
+  /// Of a line in a survey with orientations that lacks some.
+  [[nodiscard]] std::optional<std::string> unoriented_note(std::size_t l) const {
+    const LineSurvey& line = in_.lines[l];
+    std::size_t without = 0, of_a_set = 0;
+    for (std::size_t i = 0; i < line.positions.size(); ++i) {
+      if (i < line.joints.size() && line.joints[i]) continue;
+      ++without;
+      of_a_set += line_sets_[l][i] ? 1U : 0U;
+    }
+    if (without == 0 || out_.sets.empty()) return std::nullopt;
+    std::string note = fmt::format("line {}: {} of {} joints have no orientation: they count for its frequency and RQD",
+                                   line.name, without, line.positions.size());
+    if (of_a_set > 0) note += fmt::format("; {} of them for the set that is stated or the only one", of_a_set);
+    if (of_a_set == without) return note;
+    const bool shared = std::ranges::any_of(shared_.shared, [](double share) { return share > 0; });
+    return note + (shared ? fmt::format("; {} are shared out among the sets", without - of_a_set)
+                          : fmt::format("; {} of them for no set: none of known set was met", without - of_a_set));
+  }
+
   const SurveyInput& in_;
   SurveyResult out_;
+  std::vector<detail::SetsOnLine> line_sets_;
+  detail::SharedOut shared_;
   std::vector<Vec3> normals_;
   std::vector<double> weights_;
   std::vector<std::vector<SeenTrace>> seen_;
