@@ -73,7 +73,8 @@ const KeyTable& window_keys() {
            {"traces", key::text(), required,
             "`.geojson` in a metric projection, `.csv` with x1,y1,x2,y2 or trace,x,y, or FracPaQ's `.txt` with "
             "`scale`"},
-           {"scale", key::number(scale_rule), "1", "m a unit of the map (a pixel)"},
+           {"scale", key::number(scale_rule), "1",
+            "m a unit of the map (a pixel), of the traces and of the window's outline"},
            {"area", key::text(), "", "`.geojson` of the window"},
            {"circle", key::table(&map_circle_keys), "", "`{ centre, radius }`"},
            {"rectangle", key::table(&map_rectangle_keys), "", "`{ min, max }`"},
@@ -96,9 +97,13 @@ const KeyTable& set_keys() {
                {"polygon", key::array(key::pair(rule::coordinate), 3), "",
                 "`[[trend, plunge], ...]` of poles on the stereonet"},
                {"azimuth", key::pair(rule::turn), "",
-                "`[from, to]` of the traces, degrees clockwise, for maps without orientations"},
-               {"dip", key::number(rule::dip), "", "degrees, stated beside `azimuth`"},
-               {"dip_direction", key::number(rule::dip_direction), "from the traces", "degrees"},
+                "`[from, to]` of the traces, degrees clockwise, for maps without orientations; vertical faces need "
+                "`dip_direction` and "
+                "`kappa` instead"},
+               {"dip", key::number(rule::dip), "",
+                "degrees, stated beside `azimuth`, or beside `dip_direction` and `kappa`"},
+               {"dip_direction", key::number(rule::dip_direction), "from the traces",
+                "degrees; traces have two: a note names the other"},
                {"kappa", key::number(kappa_rule), "from the traces", "of the Fisher law"},
                {"shape", key::word<survey::JointShape>(), "\"disc\"", "of its joints"},
                {"aspect", key::number(aspect_rule), "", "long over short axis or side"},

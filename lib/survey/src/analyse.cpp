@@ -13,6 +13,7 @@
 #include "line.hpp"
 #include "lines_and_windows.hpp"
 #include "set_laws.hpp"
+#include "trace_sets.hpp"
 #include "unoriented.hpp"
 
 namespace cleave::survey {
@@ -168,23 +169,31 @@ class Analysis final {
   void state(SetResult& set, const SetRule& rule) const {
     double direction = rule.dip_direction.value_or(DipDirection{}).degrees(), kappa = rule.kappa.value_or(30);
     if (rule.azimuth && !(rule.dip_direction && rule.kappa)) {
-      const MeanAxis traces = mean_azimuth(*rule.azimuth);
+      const std::vector<detail::TracesOfFace> faces = traces_within(*rule.azimuth);
+      const auto traced = detail::traced_direction(faces, *rule.dip, in_.confidence);
       if (!rule.dip_direction) {
-        if (!traces.direction.value) {
-          set.notes.push_back(fmt::format("no trace seen has an azimuth of {} to {}: the set has no dip direction",
-                                          rule.azimuth->first, rule.azimuth->second));
+        if (!traced) {
+          set.notes.push_back(
+              faces.empty() ? no_trace_of(*rule.azimuth)
+                            : fmt::format("the traces are steeper than planes of dip {}: the set has no dip direction",
+                                          rule.dip->degrees()));
           return;
         }
-        direction = traces.axis + 90;
-        set.direction = traces.direction;
-        const double turn = geometry::wrap_degrees(direction) - *traces.direction.value;
-        for (double* angle : {&*set.direction->value, &set.direction->low, &set.direction->high}) *angle += turn;
-        set.direction->name = "dip direction";
+        set.notes.insert(set.notes.end(), traced->notes.begin(), traced->notes.end());
+        set.direction = traced->direction;
+        direction = *set.direction->value;
+        if (traced->other) {
+          set.notes.push_back(
+              fmt::format("planes of dip {0} that dip to {1:05.1f} or to {2:05.1f} leave the same traces: the first is "
+                          "taken; state "
+                          "dip_direction = {2:.1f} if it is the other",
+                          rule.dip->degrees(), direction, *traced->other));
+        }
       }
-      if (!rule.kappa && traces.kappa.value) {
-        kappa = *traces.kappa.value;
-        set.orientation.kappa_low = traces.kappa.low;
-        set.orientation.kappa_high = traces.kappa.high;
+      if (!rule.kappa && traced && traced->kappa.value) {
+        kappa = *traced->kappa.value;
+        set.orientation.kappa_low = traced->kappa.low;
+        set.orientation.kappa_high = traced->kappa.high;
       }
     } else if (!rule.kappa) {
       set.notes.push_back(fmt::format("kappa {} is assumed: neither stated nor to be had from traces", kappa));
@@ -196,27 +205,40 @@ class Analysis final {
     set.notes.push_back(fmt::format("dip {} degrees is stated, not measured", rule.dip->degrees()));
   }
 
-  static double azimuth_of(const WindowSurvey& window, MapPoint direction) {
-    const Vec3 y = cross(window.normal, window.x_axis);
-    const Vec3 d = direction.x * window.x_axis + direction.y * y;
-    const double a = std::atan2(d.x, d.y) * degrees;
-    return a < 0 ? a + 180 : (a >= 180 ? a - 180 : a);
-  }
   static bool within(double azimuth, std::pair<double, double> range) {
     const double width = geometry::wrap_degrees(range.second - range.first);
     return geometry::wrap_degrees(azimuth - range.first) <= width ||
            geometry::wrap_degrees(azimuth + 180 - range.first) <= width;
   }
-  /// Of the traces within these azimuths, by length.
-  [[nodiscard]] MeanAxis mean_azimuth(std::pair<double, double> range) const {
-    std::vector<WeightedAxis> axes;
+  [[nodiscard]] std::string no_trace_of(std::pair<double, double> azimuth) const {
+    if (!in_.windows.empty() && std::ranges::none_of(in_.windows, detail::tells_azimuths)) {
+      return "on vertical windows all traces have one azimuth: the set has no dip direction; state dip_direction, and "
+             "leave azimuth out";
+    }
+    return fmt::format("no trace seen has an azimuth of {} to {}: the set has no dip direction", azimuth.first,
+                       azimuth.second);
+  }
+  /// The traces within these azimuths, by length, of windows that lie alike together.
+  [[nodiscard]] std::vector<detail::TracesOfFace> traces_within(std::pair<double, double> range) const {
+    std::vector<detail::TracesOfFace> faces;
     for (const WindowSurvey& window : in_.windows) {
+      if (!detail::tells_azimuths(window)) continue;
+      std::vector<WeightedAxis> angles;
       for (const SeenTrace& t : seen_through(window.window, window.traces, window.border.si())) {
-        const double a = azimuth_of(window, t.direction);
-        if (within(a, range)) axes.push_back({a / degrees, t.length});
+        if (!within(detail::azimuth_of(window, t.direction), range)) continue;
+        angles.push_back({std::atan2(t.direction.y, t.direction.x), t.length});
+      }
+      if (angles.empty()) continue;
+      const auto alike = std::ranges::find_if(faces, [&](const detail::TracesOfFace& face) {
+        return norm(face.normal - window.normal) + norm(face.x_axis - window.x_axis) < 1e-9;
+      });
+      if (alike == faces.end()) {
+        faces.push_back({window.name, window.normal, window.x_axis, std::move(angles)});
+      } else {
+        alike->angles.insert(alike->angles.end(), angles.begin(), angles.end());
       }
     }
-    return mean_axis(axes, in_.confidence);
+    return faces;
   }
 
   [[nodiscard]] Estimate over_orientations(const SetResult& set,
@@ -224,33 +246,54 @@ class Analysis final {
     return detail::over_orientations(set.orientation, figure, in_.confidence);
   }
 
-  /// Each trace to the set whose mean plane leaves the nearest trace on the window.
+  /// Each trace to the set by whose azimuths it goes, else to the one that leaves such traces most likely.
   void assign_traces() {
     for (const WindowSurvey& window : in_.windows) {
       seen_.push_back(seen_through(window.window, window.traces, window.border.si()));
       auto& sets = trace_set_.emplace_back(seen_.back().size());
-      for (std::size_t i = 0; i < seen_.back().size(); ++i) {
-        const double a = azimuth_of(window, seen_.back()[i].direction);
-        double best = out_.sets.size() == 1 ? 91 : 30;
-        for (std::size_t k = 0; k < out_.sets.size(); ++k) {
-          const SetRule* rule = rule_of(out_.sets[k]);
-          if (rule != nullptr && rule->azimuth) {
-            if (!within(a, *rule->azimuth)) continue;
-            sets[i] = k;
-            break;
-          }
-          if (out_.sets[k].joints == 0 && !out_.sets[k].orientation_stated) continue;
-          const Vec3 trace = cross(out_.sets[k].orientation.mean, window.normal);
-          if (norm(trace) < 1e-6) continue;
-          const double expected = std::atan2(trace.x, trace.y) * degrees;
-          const double off = std::abs(std::remainder(a - expected, 180));
-          if (off < best) {
-            best = off;
-            sets[i] = k;
-          }
+      std::vector<std::pair<std::size_t, detail::TracesOfSet>> laws;
+      std::vector<std::pair<std::size_t, std::pair<double, double>>> azimuths;
+      for (std::size_t k = 0; k < out_.sets.size(); ++k) {
+        const SetRule* rule = rule_of(out_.sets[k]);
+        if (rule != nullptr && rule->azimuth && detail::tells_azimuths(window)) {
+          azimuths.emplace_back(k, *rule->azimuth);
+        } else if (has_mean(out_.sets[k])) {
+          laws.emplace_back(k, detail::TracesOfSet{out_.sets[k].orientation, window});
+        }
+      }
+      for (std::size_t i = 0; i < sets.size(); ++i) {
+        const MapPoint direction = seen_.back()[i].direction;
+        const double azimuth = detail::azimuth_of(window, direction);
+        const auto own = std::ranges::find_if(azimuths, [&](const auto& a) { return within(azimuth, a.second); });
+        if (own != azimuths.end()) {
+          sets[i] = own->first;
+          continue;
+        }
+        double best = -1;
+        for (auto& [k, law] : laws) {
+          if (out_.sets.size() > 1 && !law.may_hold(direction)) continue;
+          const double density = law.density(direction);
+          if (!(density > best)) continue;
+          best = density;
+          sets[i] = k;
         }
       }
     }
+  }
+
+  /// Of the traces on a window that belong to no set, where there are sets.
+  [[nodiscard]] std::optional<std::string> no_set_note(std::size_t w) const {
+    if (out_.sets.empty()) return std::nullopt;
+    double length = 0;
+    std::size_t traces = 0;
+    for (std::size_t i = 0; i < seen_[w].size(); ++i) {
+      if (trace_set_[w][i]) continue;
+      ++traces;
+      length += seen_[w][i].length;
+    }
+    if (traces == 0) return std::nullopt;
+    return fmt::format("window {}: {} of {} traces belong to no set; their P21, {:.3g} 1/m, is in no P32",
+                       in_.windows[w].name, traces, seen_[w].size(), length / area_of(in_.windows[w].window));
   }
 
   /// Joints on lines to sets: by their orientation, else by the set that is stated of them, else by what there is.
@@ -487,7 +530,12 @@ class Analysis final {
             traces, name_of(set.size->family), sizes, std::max(traces / sizes, sizes / traces)));
       }
     }
-    if (!set.p32) set.notes.emplace_back("no [[scanline]], [[borehole]] or [[window]]: the intensity is not known");
+    if (set.p32) return;
+    set.notes.emplace_back(
+        in_.lines.empty() && in_.windows.empty()
+            ? "no [[scanline]], [[borehole]] or [[window]]: the intensity is not known"
+        : has_mean(set) ? "no joint on a line and no trace in a window is of this set: the intensity is not known"
+                        : "its orientation is not known, so the intensity is not");
   }
 
   void whole() {
@@ -497,7 +545,10 @@ class Analysis final {
     }
     for (std::size_t w = 0; w < in_.windows.size(); ++w) {
       out_.windows.push_back(detail::result_of(in_.windows[w], seen_[w], in_.confidence));
-      if (auto note = detail::border_note(in_.windows[w])) out_.notes.push_back(*std::move(note));
+      for (auto note : {detail::outside_note(in_.windows[w], seen_[w].size()), no_set_note(w),
+                        detail::border_note(in_.windows[w])}) {
+        if (note) out_.notes.push_back(*std::move(note));
+      }
     }
   }
 
