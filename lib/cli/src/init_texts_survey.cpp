@@ -180,15 +180,17 @@ dip_direction = 350
 border = 0.02
 truncation = 0.25
 
-[[set]]                        # traces tell no dip: by azimuth, with a stated dip
-name = "A"
-azimuth = [45, 90]
-dip = 60
+[[set]]                        # traces tell no dip: as a compass on some joints has it; each trace goes to the set
+name = "A"                     # that leaves such traces most likely
+dip = 65
+dip_direction = 105
+kappa = 30
 
-[[set]]
+[[set]]                        # on maps of level ground  azimuth = [from, to]  can stand instead of dip_direction, kappa
 name = "B"
-azimuth = [90, 150]
-dip = 70
+dip = 75
+dip_direction = 217
+kappa = 30
 )toml";
 
 constexpr std::string_view window_csv =

@@ -109,7 +109,7 @@ class OrientationsParser final {
         for (std::size_t i = quantity_of(context_, file, data, row); i > 0; --i) {
           in_.orientations.push_back({*normal, name, met->line, met->window, met->outcrop});
         }
-        if (too_many(context_, file, in_)) return;
+        if (too_many(context_, file, in_.orientations.size())) return;
       }
       if (context_.problems.errors() != before) {
         if (++wrong >= 20) return;
@@ -219,9 +219,9 @@ std::optional<Core> parse_core(InputContext& context, const TableReader& table, 
   return core;
 }
 
-bool too_many(InputContext& context, const LoadedFile& file, const survey::SurveyInput& input) {
+bool too_many(InputContext& context, const LoadedFile& file, std::size_t joints) {
   constexpr std::size_t most = 1'000'000;
-  if (input.orientations.size() <= most) return false;
+  if (joints <= most) return false;
   context.problems.error_in(file.shown, 1, "quantity", fmt::format("the rows stand for more than {} joints", most),
                             "give fewer");
   return true;

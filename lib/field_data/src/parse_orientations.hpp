@@ -20,7 +20,7 @@ inline constexpr NumberRule plunge_rule{-90, false, 90, false, " degrees"};
 /// The core of a line by its key `reference`; a vertical hole without an azimuth is reported.
 [[nodiscard]] std::optional<Core> parse_core(InputContext& context, const TableReader& table, geometry::Vec3 line);
 /// Reports a survey that grew beyond a million joints (by the column quantity).
-[[nodiscard]] bool too_many(InputContext& context, const LoadedFile& file, const survey::SurveyInput& input);
+[[nodiscard]] bool too_many(InputContext& context, const LoadedFile& file, std::size_t joints);
 
 /// `empty`: counts rows without an orientation.
 void parse_orientations(InputContext& context, const TableReader& table, survey::SurveyInput& input,

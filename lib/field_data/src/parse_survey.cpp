@@ -74,7 +74,8 @@ const KeyTable& window_keys() {
             "`.geojson` in a metric projection (degrees are refused), `.csv` with x1,y1,x2,y2 or trace,x,y, or "
             "FracPaQ's `.txt` with "
             "`scale`"},
-           {"scale", key::number(scale_rule), "1", "m a unit of the map (a pixel)"},
+           {"scale", key::number(scale_rule), "1",
+            "m a unit of the map (a pixel), of the traces and of the window's outline"},
            {"area", key::text(), "", "`.geojson` of the window"},
            {"circle", key::table(&map_circle_keys), "", "`{ centre, radius }`"},
            {"rectangle", key::table(&map_rectangle_keys), "", "`{ min, max }`"},
@@ -97,9 +98,13 @@ const KeyTable& set_keys() {
                {"polygon", key::array(key::pair(rule::coordinate), 3), "",
                 "`[[trend, plunge], ...]` of poles on the stereonet"},
                {"azimuth", key::pair(rule::turn), "",
-                "`[from, to]` of the traces, degrees clockwise, for maps without orientations"},
-               {"dip", key::number(rule::dip), "", "degrees, stated beside `azimuth`"},
-               {"dip_direction", key::number(rule::dip_direction), "from the traces", "degrees"},
+                "`[from, to]` of the traces, degrees clockwise, for maps without orientations; vertical faces need "
+                "`dip_direction` and "
+                "`kappa` instead"},
+               {"dip", key::number(rule::dip), "",
+                "degrees, stated beside `azimuth`, or beside `dip_direction` and `kappa`"},
+               {"dip_direction", key::number(rule::dip_direction), "from the traces",
+                "degrees; traces have two: a note names the other"},
                {"kappa", key::number(kappa_rule), "from the traces", "of the Fisher law"},
                {"shape", key::word<survey::JointShape>(), "\"disc\"", "of its joints"},
                {"aspect", key::number(aspect_rule), "", "long over short axis or side"},
@@ -182,17 +187,20 @@ class SurveyParser final {
         if (!rules.core) return;
       }
       if (at && oriented) normal = normal_of_row(context_, *file, *data, row, rules);
-      const std::size_t times = at && (normal || !oriented) ? quantity_of(context_, *file, *data, row) : 0;
+      const std::size_t times = at ? quantity_of(context_, *file, *data, row) : 0;
       const std::string set = set_of_row(context_, *file, *data, row, "");
       const auto length = lengths && times > 0 ? length_of(*file, *data, row, line.truncation) : std::nullopt;
       for (std::size_t i = 0; i < times; ++i) {
         line.positions.push_back(*at);
+        line.sets.push_back(set);
         if (lengths) line.lengths.push_back(length);
+        // A joint without an orientation is one that the line meets.
+        auto& joint = line.joints.emplace_back();
         if (!normal) continue;
-        line.joints.push_back(in_.orientations.size());
+        joint = in_.orientations.size();
         in_.orientations.push_back({*normal, set, line.direction_at(*at), std::nullopt});
       }
-      if (too_many(context_, *file, in_)) return;
+      if (too_many(context_, *file, std::max(in_.orientations.size(), line.positions.size()))) return;
       if (context_.problems.errors() != before && ++wrong >= 20) return;
     }
     note_lengths(*file, *data, line.truncation);

@@ -13,6 +13,8 @@
 #include "line.hpp"
 #include "lines_and_windows.hpp"
 #include "set_laws.hpp"
+#include "trace_sets.hpp"
+#include "unoriented.hpp"
 
 namespace cleave::survey {
 
@@ -31,6 +33,7 @@ class Analysis final {
     assign();
     for (std::size_t k = 0; k < out_.sets.size(); ++k) orient(k);
     assign_traces();
+    assign_on_lines();
     for (std::size_t k = 0; k < out_.sets.size(); ++k) {
       if (const SetRule* rule = rule_of(out_.sets[k])) out_.sets[k].shape = rule->shape;
       lines(k);
@@ -166,23 +169,31 @@ class Analysis final {
   void state(SetResult& set, const SetRule& rule) const {
     double direction = rule.dip_direction.value_or(DipDirection{}).degrees(), kappa = rule.kappa.value_or(30);
     if (rule.azimuth && !(rule.dip_direction && rule.kappa)) {
-      const MeanAxis traces = mean_azimuth(*rule.azimuth);
+      const std::vector<detail::TracesOfFace> faces = traces_within(*rule.azimuth);
+      const auto traced = detail::traced_direction(faces, *rule.dip, in_.confidence);
       if (!rule.dip_direction) {
-        if (!traces.direction.value) {
-          set.notes.push_back(fmt::format("no trace seen has an azimuth of {} to {}: the set has no dip direction",
-                                          rule.azimuth->first, rule.azimuth->second));
+        if (!traced) {
+          set.notes.push_back(
+              faces.empty() ? no_trace_of(*rule.azimuth)
+                            : fmt::format("the traces are steeper than planes of dip {}: the set has no dip direction",
+                                          rule.dip->degrees()));
           return;
         }
-        direction = traces.axis + 90;
-        set.direction = traces.direction;
-        const double turn = geometry::wrap_degrees(direction) - *traces.direction.value;
-        for (double* angle : {&*set.direction->value, &set.direction->low, &set.direction->high}) *angle += turn;
-        set.direction->name = "dip direction";
+        set.notes.insert(set.notes.end(), traced->notes.begin(), traced->notes.end());
+        set.direction = traced->direction;
+        direction = *set.direction->value;
+        if (traced->other) {
+          set.notes.push_back(
+              fmt::format("planes of dip {0} that dip to {1:05.1f} or to {2:05.1f} leave the same traces: the first is "
+                          "taken; state "
+                          "dip_direction = {2:.1f} if it is the other",
+                          rule.dip->degrees(), direction, *traced->other));
+        }
       }
-      if (!rule.kappa && traces.kappa.value) {
-        kappa = *traces.kappa.value;
-        set.orientation.kappa_low = traces.kappa.low;
-        set.orientation.kappa_high = traces.kappa.high;
+      if (!rule.kappa && traced && traced->kappa.value) {
+        kappa = *traced->kappa.value;
+        set.orientation.kappa_low = traced->kappa.low;
+        set.orientation.kappa_high = traced->kappa.high;
       }
     } else if (!rule.kappa) {
       set.notes.push_back(fmt::format("kappa {} is assumed: neither stated nor to be had from traces", kappa));
@@ -194,27 +205,40 @@ class Analysis final {
     set.notes.push_back(fmt::format("dip {} degrees is stated, not measured", rule.dip->degrees()));
   }
 
-  static double azimuth_of(const WindowSurvey& window, MapPoint direction) {
-    const Vec3 y = cross(window.normal, window.x_axis);
-    const Vec3 d = direction.x * window.x_axis + direction.y * y;
-    const double a = std::atan2(d.x, d.y) * degrees;
-    return a < 0 ? a + 180 : (a >= 180 ? a - 180 : a);
-  }
   static bool within(double azimuth, std::pair<double, double> range) {
     const double width = geometry::wrap_degrees(range.second - range.first);
     return geometry::wrap_degrees(azimuth - range.first) <= width ||
            geometry::wrap_degrees(azimuth + 180 - range.first) <= width;
   }
-  /// Of the traces within these azimuths, by length.
-  [[nodiscard]] MeanAxis mean_azimuth(std::pair<double, double> range) const {
-    std::vector<WeightedAxis> axes;
+  [[nodiscard]] std::string no_trace_of(std::pair<double, double> azimuth) const {
+    if (!in_.windows.empty() && std::ranges::none_of(in_.windows, detail::tells_azimuths)) {
+      return "on vertical windows all traces have one azimuth: the set has no dip direction; state dip_direction, and "
+             "leave azimuth out";
+    }
+    return fmt::format("no trace seen has an azimuth of {} to {}: the set has no dip direction", azimuth.first,
+                       azimuth.second);
+  }
+  /// The traces within these azimuths, by length, of windows that lie alike together.
+  [[nodiscard]] std::vector<detail::TracesOfFace> traces_within(std::pair<double, double> range) const {
+    std::vector<detail::TracesOfFace> faces;
     for (const WindowSurvey& window : in_.windows) {
+      if (!detail::tells_azimuths(window)) continue;
+      std::vector<WeightedAxis> angles;
       for (const SeenTrace& t : seen_through(window.window, window.traces, window.border.si())) {
-        const double a = azimuth_of(window, t.direction);
-        if (within(a, range)) axes.push_back({a / degrees, t.length});
+        if (!within(detail::azimuth_of(window, t.direction), range)) continue;
+        angles.push_back({std::atan2(t.direction.y, t.direction.x), t.length});
+      }
+      if (angles.empty()) continue;
+      const auto alike = std::ranges::find_if(faces, [&](const detail::TracesOfFace& face) {
+        return norm(face.normal - window.normal) + norm(face.x_axis - window.x_axis) < 1e-9;
+      });
+      if (alike == faces.end()) {
+        faces.push_back({window.name, window.normal, window.x_axis, std::move(angles)});
+      } else {
+        alike->angles.insert(alike->angles.end(), angles.begin(), angles.end());
       }
     }
-    return mean_axis(axes, in_.confidence);
+    return faces;
   }
 
   [[nodiscard]] Estimate over_orientations(const SetResult& set,
@@ -222,45 +246,103 @@ class Analysis final {
     return detail::over_orientations(set.orientation, figure, in_.confidence);
   }
 
-  /// Each trace to the set whose mean plane leaves the nearest trace on the window.
+  /// Each trace to the set by whose azimuths it goes, else to the one that leaves such traces most likely.
   void assign_traces() {
     for (const WindowSurvey& window : in_.windows) {
       seen_.push_back(seen_through(window.window, window.traces, window.border.si()));
       auto& sets = trace_set_.emplace_back(seen_.back().size());
-      for (std::size_t i = 0; i < seen_.back().size(); ++i) {
-        const double a = azimuth_of(window, seen_.back()[i].direction);
-        double best = out_.sets.size() == 1 ? 91 : 30;
-        for (std::size_t k = 0; k < out_.sets.size(); ++k) {
-          const SetRule* rule = rule_of(out_.sets[k]);
-          if (rule != nullptr && rule->azimuth) {
-            if (!within(a, *rule->azimuth)) continue;
-            sets[i] = k;
-            break;
-          }
-          if (out_.sets[k].joints == 0 && !out_.sets[k].orientation_stated) continue;
-          const Vec3 trace = cross(out_.sets[k].orientation.mean, window.normal);
-          if (norm(trace) < 1e-6) continue;
-          const double expected = std::atan2(trace.x, trace.y) * degrees;
-          const double off = std::abs(std::remainder(a - expected, 180));
-          if (off < best) {
-            best = off;
-            sets[i] = k;
-          }
+      std::vector<std::pair<std::size_t, detail::TracesOfSet>> laws;
+      std::vector<std::pair<std::size_t, std::pair<double, double>>> azimuths;
+      for (std::size_t k = 0; k < out_.sets.size(); ++k) {
+        const SetRule* rule = rule_of(out_.sets[k]);
+        if (rule != nullptr && rule->azimuth && detail::tells_azimuths(window)) {
+          azimuths.emplace_back(k, *rule->azimuth);
+        } else if (has_mean(out_.sets[k])) {
+          laws.emplace_back(k, detail::TracesOfSet{out_.sets[k].orientation, window});
+        }
+      }
+      for (std::size_t i = 0; i < sets.size(); ++i) {
+        const MapPoint direction = seen_.back()[i].direction;
+        const double azimuth = detail::azimuth_of(window, direction);
+        const auto own = std::ranges::find_if(azimuths, [&](const auto& a) { return within(azimuth, a.second); });
+        if (own != azimuths.end()) {
+          sets[i] = own->first;
+          continue;
+        }
+        double best = -1;
+        for (auto& [k, law] : laws) {
+          if (out_.sets.size() > 1 && !law.may_hold(direction)) continue;
+          const double density = law.density(direction);
+          if (!(density > best)) continue;
+          best = density;
+          sets[i] = k;
         }
       }
     }
   }
 
+  /// Of the traces on a window that belong to no set, where there are sets.
+  [[nodiscard]] std::optional<std::string> no_set_note(std::size_t w) const {
+    if (out_.sets.empty()) return std::nullopt;
+    double length = 0;
+    std::size_t traces = 0;
+    for (std::size_t i = 0; i < seen_[w].size(); ++i) {
+      if (trace_set_[w][i]) continue;
+      ++traces;
+      length += seen_[w][i].length;
+    }
+    if (traces == 0) return std::nullopt;
+    return fmt::format("window {}: {} of {} traces belong to no set; their P21, {:.3g} 1/m, is in no P32",
+                       in_.windows[w].name, traces, seen_[w].size(), length / area_of(in_.windows[w].window));
+  }
+
+  /// Joints on lines to sets: by their orientation, else by the set that is stated of them, else by what there is.
+  void assign_on_lines() {
+    const std::size_t none = out_.sets.size();
+    const bool one = none == 1 && out_.unassigned == 0;
+    const auto stated = [&](const std::string& name) -> std::optional<std::size_t> {
+      if (one || in_.clusters || name.empty()) return one ? std::optional<std::size_t>{0} : std::nullopt;
+      return static_cast<std::size_t>(std::ranges::find(out_.sets, name, &SetResult::name) - out_.sets.begin());
+    };
+    std::vector<std::vector<double>> lengths(none + 1);
+    for (const LineSurvey& line : in_.lines) {
+      detail::SetsOnLine& sets = line_sets_.emplace_back();
+      for (std::size_t i = 0; i < line.positions.size(); ++i) {
+        if (i < line.joints.size() && line.joints[i]) {
+          sets.push_back(out_.set_of[*line.joints[i]].value_or(none));
+        } else {
+          sets.push_back(stated(i < line.sets.size() ? line.sets[i] : ""));
+        }
+      }
+      lengths[none].push_back(line.length());
+    }
+    for (std::size_t k = 0; k < none; ++k) {
+      for (const LineSurvey& line : in_.lines) {
+        lengths[k].push_back(has_mean(out_.sets[k]) ? length_met(out_.sets[k], line) : 0);
+      }
+    }
+    shared_ = detail::share_out(line_sets_, lengths);
+  }
+
+  static bool has_mean(const SetResult& set) { return set.joints > 0 || set.orientation_stated; }
+  /// Length of a line times E|n.l| of a set.
+  static double length_met(const SetResult& set, const LineSurvey& line) {
+    double sum = 0;
+    for (const auto& [direction, length] : line.pieces) {
+      sum += length * mean_line_cosine(set.orientation.mean, set.orientation.kappa, direction);
+    }
+    return sum;
+  }
+
   void lines(std::size_t k) {
     SetResult& set = out_.sets[k];
-    if (set.joints == 0) return;  // it has no mean
-    std::size_t joints = 0;
-    for (const LineSurvey& line : in_.lines) {
+    if (!has_mean(set)) return;
+    for (std::size_t l = 0; l < in_.lines.size(); ++l) {
+      const LineSurvey& line = in_.lines[l];
       std::vector<double> positions;
-      for (std::size_t i = 0; i < line.joints.size(); ++i) {
-        if (out_.set_of[line.joints[i]] == k) positions.push_back(line.positions[i]);
+      for (std::size_t i = 0; i < line.positions.size(); ++i) {
+        if (line_sets_[l][i] == k) positions.push_back(line.positions[i]);
       }
-      joints += positions.size();
       const double cosine = std::abs(dot(set.orientation.mean, line.direction_at(line.length() / 2)));
       for (const double gap : gaps_of(std::move(positions))) set.gaps.push_back(gap * cosine);
     }
@@ -276,8 +358,17 @@ class Analysis final {
     const Estimate area_length = over_orientations(set, [&](Vec3 mean, double kappa) {
       return over_pieces([&](Vec3 l) { return mean_line_cosine(mean, kappa, l); });
     });
-    if (joints == 0 || !(*area_length.value > 0)) return;
-    const Estimate met = frequency(joints, 1, in_.confidence);
+    const std::size_t known = shared_.known[k];
+    if (known == 0 || !(*area_length.value > 0)) return;
+    const double joints = static_cast<double>(known) + shared_.shared[k];
+    const Estimate met = detail::counted(joints, shared_.effective(k), in_.confidence);
+    if (shared_.shared[k] > 0) {
+      set.notes.push_back(
+          fmt::format("{} joints on lines are known to be of this set; {:.1f} of the {} that have neither orientation "
+                      "nor set are counted for its P10 and P32, as each line meets the sets; spacings leave them out "
+                      "and are too long, {:.2g} times if they lack by chance",
+                      known, shared_.shared[k], shared_.unknown, joints / static_cast<double>(known)));
+    }
     set.p10_normal = over(met, normal_length, "P10 along the mean normal",
                           "sum N / sum(L |n.l|), exact Poisson interval with the error of the orientation");
     set.p32_lines = over(met, area_length, "P32",
@@ -389,11 +480,10 @@ class Analysis final {
     if (set.traces > 0) return;
     std::vector<SeenLength> lengths;
     double truncation = 0;
-    for (const LineSurvey& line : in_.lines) {
+    for (std::size_t l = 0; l < in_.lines.size(); ++l) {
+      const LineSurvey& line = in_.lines[l];
       for (std::size_t i = 0; i < line.lengths.size(); ++i) {
-        if (!line.lengths[i]) continue;
-        const bool own = i < line.joints.size() ? out_.set_of[line.joints[i]] == k : out_.sets.size() == 1;
-        if (own) lengths.push_back(*line.lengths[i]);
+        if (line.lengths[i] && line_sets_[l][i] == k) lengths.push_back(*line.lengths[i]);
       }
       if (!line.lengths.empty()) truncation = std::max(truncation, line.truncation.si());
     }
@@ -440,19 +530,51 @@ class Analysis final {
             traces, name_of(set.size->family), sizes, std::max(traces / sizes, sizes / traces)));
       }
     }
-    if (!set.p32) set.notes.emplace_back("no [[scanline]], [[borehole]] or [[window]]: the intensity is not known");
+    if (set.p32) return;
+    set.notes.emplace_back(
+        in_.lines.empty() && in_.windows.empty()
+            ? "no [[scanline]], [[borehole]] or [[window]]: the intensity is not known"
+        : has_mean(set) ? "no joint on a line and no trace in a window is of this set: the intensity is not known"
+                        : "its orientation is not known, so the intensity is not");
   }
 
   void whole() {
-    for (const LineSurvey& line : in_.lines) out_.lines.push_back(detail::result_of(line, in_.confidence));
+    for (std::size_t l = 0; l < in_.lines.size(); ++l) {
+      out_.lines.push_back(detail::result_of(in_.lines[l], in_.confidence));
+      if (auto note = unoriented_note(l)) out_.notes.push_back(*std::move(note));
+    }
     for (std::size_t w = 0; w < in_.windows.size(); ++w) {
       out_.windows.push_back(detail::result_of(in_.windows[w], seen_[w], in_.confidence));
-      if (auto note = detail::border_note(in_.windows[w])) out_.notes.push_back(*std::move(note));
+      for (auto note : {detail::outside_note(in_.windows[w], seen_[w].size()), no_set_note(w),
+                        detail::border_note(in_.windows[w])}) {
+        if (note) out_.notes.push_back(*std::move(note));
+      }
     }
+  }
+
+  /// Of a line in a survey with orientations that lacks some.
+  [[nodiscard]] std::optional<std::string> unoriented_note(std::size_t l) const {
+    const LineSurvey& line = in_.lines[l];
+    std::size_t without = 0, of_a_set = 0;
+    for (std::size_t i = 0; i < line.positions.size(); ++i) {
+      if (i < line.joints.size() && line.joints[i]) continue;
+      ++without;
+      of_a_set += line_sets_[l][i] ? 1U : 0U;
+    }
+    if (without == 0 || out_.sets.empty()) return std::nullopt;
+    std::string note = fmt::format("line {}: {} of {} joints have no orientation: they count for its frequency and RQD",
+                                   line.name, without, line.positions.size());
+    if (of_a_set > 0) note += fmt::format("; {} of them for the set that is stated or the only one", of_a_set);
+    if (of_a_set == without) return note;
+    const bool shared = std::ranges::any_of(shared_.shared, [](double share) { return share > 0; });
+    return note + (shared ? fmt::format("; {} are shared out among the sets", without - of_a_set)
+                          : fmt::format("; {} of them for no set: none of known set was met", without - of_a_set));
   }
 
   const SurveyInput& in_;
   SurveyResult out_;
+  std::vector<detail::SetsOnLine> line_sets_;
+  detail::SharedOut shared_;
   std::vector<Vec3> normals_;
   std::vector<double> weights_;
   std::vector<std::vector<SeenTrace>> seen_;

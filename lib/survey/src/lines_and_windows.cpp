@@ -59,4 +59,12 @@ std::optional<std::string> border_note(const WindowSurvey& window) {
       window.name, cut.ends, cut.within.si(), cut.by_chance, border);
 }
 
+std::optional<std::string> outside_note(const WindowSurvey& window, std::size_t seen) {
+  const std::size_t all = window.traces.size();
+  if (seen >= all) return std::nullopt;
+  const auto note = fmt::format("window {}: {} of {} traces ({:.0f} %) lie outside it and are left out", window.name,
+                                all - seen, all, 100 * static_cast<double>(all - seen) / static_cast<double>(all));
+  return seen > 0 ? note : note + ": are both in the same units? `scale` is that of the window's outline, too";
+}
+
 }  // namespace cleave::survey::detail

@@ -19,4 +19,7 @@ namespace cleave::survey::detail {
 /// digitised: more of them than ends that fall there by chance.
 [[nodiscard]] std::optional<std::string> border_note(const WindowSurvey& window);
 
+/// Traces of the map that lie outside the window.
+[[nodiscard]] std::optional<std::string> outside_note(const WindowSurvey& window, std::size_t seen);
+
 }  // namespace cleave::survey::detail

@@ -46,7 +46,9 @@ struct LineSurvey {
   std::string name;
   std::vector<std::pair<geometry::Vec3, double>> pieces;  ///< unit direction, length (m)
   std::vector<double> positions;                          ///< along the line, m
-  std::vector<std::size_t> joints;                 ///< numbers in SurveyInput::orientations, or empty: positions only
+  /// Numbers in SurveyInput::orientations, one a position, where any was measured.
+  std::vector<std::optional<std::size_t>> joints = {};
+  std::vector<std::string> sets = {};              ///< stated, "" where not; one a position, or empty
   std::vector<std::optional<SeenLength>> lengths;  ///< of the traces met, one a position where any was measured
   Length truncation = {};                          ///< shorter traces were not recorded
   [[nodiscard]] double length() const noexcept;

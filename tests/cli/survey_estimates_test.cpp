@@ -1,0 +1,170 @@
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "survey_program.hpp"
+
+// What rows and traces are counted for, and what is said of those that are not.
+
+namespace cleave::cli::test {
+namespace {
+
+using nlohmann::json;
+
+class SurveyEstimatesTest : public SurveyProgramTest {
+ protected:
+  static std::string line(const std::string& file, const std::string& name, int trend, int length) {
+    return "[[scanline]]\nname = \"" + name + "\"\nfile = \"" + file + "\"\ntrend = " + std::to_string(trend) +
+           "\nplunge = 0\nlength = " + std::to_string(length) + "\n";
+  }
+};
+
+// Nine joints on 10 m, four of them without an orientation: there are nine all the same.
+TEST_F(SurveyEstimatesTest, JointsWithoutAnOrientationCountOnLines) {
+  write("l.csv",
+        "distance,dip,dip_direction,set\n1,90,90,A\n2,,,A\n3,90,90,A\n4,,,A\n5,90,90,A\n6,,,A\n7,90,90,A\n"
+        "8,,,A\n9,90,90,A\n");
+  const json stated = survey(line("l.csv", "L", 90, 10));
+  EXPECT_NEAR(stated["lines"][0]["frequency"]["value"], 0.9, 1e-12);
+  EXPECT_NEAR(stated["sets"][0]["p32"]["value"], 0.9, 1e-9);
+  EXPECT_TRUE(stated["notes"].dump().contains("line L: 4 of 9 joints have no orientation")) << stated["notes"];
+  // Positions of the core's pieces are those of all joints.
+  std::string core = "depth,alpha,beta\n";
+  for (int i = 0; i < 100; ++i) core += std::to_string(i * 0.05) + (i % 2 == 0 ? ",,\n" : ",60,20\n");
+  write("core.csv", core);
+  const json hole = survey("[[borehole]]\nname = \"B\"\ntrend = 0\nplunge = 60\nlength = 5\nfile = \"core.csv\"\n");
+  EXPECT_NEAR(hole["lines"][0]["frequency"]["value"], 20, 1e-12);
+  EXPECT_EQ(hole["lines"][0]["rqd_measured"], 0);  // pieces of 5 cm; those between every second joint are 10 cm
+}
+
+// Six joints of A and two of B are known, four are not: three to one. B cannot be met by the second line, so that its
+// five are of A. The interval is narrower than that of the known ones, wider than if all had been
+// known.
+TEST_F(SurveyEstimatesTest, JointsOfUnknownSetAreSharedOut) {
+  const std::string known =
+      "distance,dip,dip_direction,set\n1,90,45,A\n2,90,45,A\n3,90,45,A\n4,90,45,A\n5,90,45,A\n6,90,45,A\n"
+      "7,90,315,B\n8,90,315,B\n";
+  write("l.csv", known);
+  write("n.csv", known + "1.5,,,\n2.5,,,\n3.5,,,\n4.5,,,\n");
+  write("m.csv", "distance\n1\n2\n3\n4\n5\n");
+  const json before = survey(line("l.csv", "L", 0, 10))["sets"];
+  const json result = survey(line("n.csv", "L", 0, 10));
+  const auto p32 = [](const json& set) { return set["p32"]["value"].get<double>(); };
+  for (std::size_t k = 0; k < 2; ++k) {
+    const json &one = before[k]["p32"], &all = result["sets"][k]["p32"];
+    EXPECT_NEAR(p32(result["sets"][k]), 1.5 * p32(before[k]), 1e-6);
+    EXPECT_LT(all["high"].get<double>() / all["low"].get<double>(),
+              one["high"].get<double>() / one["low"].get<double>());
+  }
+  // 1/(1/6 - 1/8 + 1/12) = 8 joints: chi-squared of 18 and 16 degrees.
+  const json& interval = result["sets"][0]["p32"];
+  EXPECT_NEAR(interval["high"].get<double>() / interval["low"].get<double>(), 31.5264 / 6.9077, 1e-3);
+  const std::string notes = result["sets"][0]["notes"].dump();
+  EXPECT_TRUE(notes.contains("3.0 of the 4 that have neither orientation nor set")) << notes;
+  EXPECT_TRUE(result["notes"].dump().contains("4 are shared out among the sets")) << result["notes"];
+  const json both = survey(line("l.csv", "L", 0, 10) + line("m.csv", "M", 45, 5))["sets"];
+  EXPECT_NEAR(p32(both[0]), 11 / (10 * std::numbers::sqrt2 / 2 + 5), 1e-6);
+  EXPECT_NEAR(p32(both[1]), 2 / (10 * std::numbers::sqrt2 / 2), 1e-6);
+}
+
+// On a vertical face all traces have one azimuth: they go to sets by their angle in it. Wall to the south (000/90), x
+// to the west: a plane 45/270 leaves traces at -45 degrees, 45/090 at 45, 90/090 upright ones.
+TEST_F(SurveyEstimatesTest, TracesOnAVerticalFaceGoToTheirSets) {
+  write("o.csv", "dip,dip_direction,set\n44,270,W\n45,268,W\n45,272,W\n46,270,W\n44,90,E\n45,88,E\n45,92,E\n46,90,E\n");
+  std::string rows = "x1,y1,x2,y2\n";
+  for (int i = 0; i < 12; ++i) {
+    const double x = 2 + i, rise = i % 3 == 0 ? 1 : -1;
+    rows += std::to_string(x) + ",4," + std::to_string(x + 1) + "," + std::to_string(4 + rise) + "\n";
+  }
+  write("t.csv", rows);
+  const std::string wall =
+      "[[window]]\nname = \"wall\"\ntraces = \"t.csv\"\nrectangle = { min = [0, 0], max = [20, 10] }\n"
+      "dip = 90\ndip_direction = 0\n";
+  const json sets = survey("[[orientations]]\nfile = \"o.csv\"\n" + wall)["sets"];
+  EXPECT_EQ(sets[0]["traces"], 8);
+  EXPECT_EQ(sets[1]["traces"], 4);
+  EXPECT_NEAR(sets[0]["p32"]["value"].get<double>(), 2 * sets[1]["p32"]["value"].get<double>(), 1e-9);
+  // An azimuth says nothing there.
+  const json by_azimuth = survey(wall + "[[set]]\nname = \"A\"\nazimuth = [0, 180]\ndip = 45\n")["sets"][0];
+  EXPECT_TRUE(by_azimuth["notes"].dump().contains("on vertical windows all traces have one azimuth")) << by_azimuth;
+  EXPECT_EQ(by_azimuth["notes"].dump().find("no [[window]]"), std::string::npos);
+}
+
+// A plane of dip 60 that holds a trace of an inclined wall: 60/300 on a wall 45/350, or 60/049.7 (worked out by hand).
+TEST_F(SurveyEstimatesTest, DipDirectionsFollowFromTracesAndTheirWall) {
+  const double turn = std::numbers::pi / 180, strike = 260 * turn, wall = 45 * turn, dip = 60 * turn;
+  const std::array<double, 3> x{std::sin(strike), std::cos(strike), 0};
+  const std::array<double, 3> y{-std::sin(350 * turn) * std::cos(wall), -std::cos(350 * turn) * std::cos(wall),
+                                std::sin(wall)};
+  const std::array<double, 3> normal{std::sin(dip) * std::sin(300 * turn), std::sin(dip) * std::cos(300 * turn),
+                                     std::cos(dip)};
+  const auto along = [&](const std::array<double, 3>& axis) {
+    return axis[0] * normal[0] + axis[1] * normal[1] + axis[2] * normal[2];
+  };
+  const double right = -along(y), up = along(x), length = std::hypot(right, up);
+  std::string rows = "x1,y1,x2,y2\n";
+  for (int i = 0; i < 12; ++i) {
+    const double spread = (i % 3 - 1) * 0.02, dx = (right - spread * up) / length, dy = (up + spread * right) / length;
+    rows += std::to_string(5 + i) + ",5," + std::to_string(5 + i + dx) + "," + std::to_string(5 + dy) + "\n";
+  }
+  write("t.csv", rows);
+  const std::string map = "[[window]]\ntraces = \"t.csv\"\nrectangle = { min = [0, 0], max = [22, 10] }\n";
+  const std::string inclined = map + "dip = 45\ndip_direction = 350\n";
+  const std::string set = "[[set]]\nname = \"A\"\nazimuth = [0, 180]\ndip = 60\n";
+  const json one = survey(inclined + set)["sets"][0];
+  EXPECT_NEAR(one["orientation"]["dip_direction"], 49.7, 0.5);
+  EXPECT_TRUE(one["notes"].dump().contains("dip_direction = 300.0")) << one["notes"];
+  EXPECT_LT(one["orientation"]["dip_direction_low"], 49.7);
+  EXPECT_GT(one["orientation"]["dip_direction_high"], 49.7);
+  // A level map of the same joints, traces along 030: it has to be 300, not 120, nor 49.7.
+  write("m.csv", "x1,y1,x2,y2\n4,4,5,5.732\n6,4,7,5.732\n8,4,9,5.732\n");
+  const std::string level = "[[window]]\ntraces = \"m.csv\"\nrectangle = { min = [0, 0], max = [22, 10] }\n";
+  const json both = survey(inclined + level + set)["sets"][0];
+  EXPECT_NEAR(both["orientation"]["dip_direction"], 300, 0.5);
+  EXPECT_EQ(both["notes"].dump().find("leave the same traces"), std::string::npos) << both["notes"];
+  // On level ground alone it may be either, which is said.
+  const json flat = survey(level + set)["sets"][0];
+  EXPECT_NEAR(flat["orientation"]["dip_direction"], 120, 0.1);
+  EXPECT_TRUE(flat["notes"].dump().contains("dip_direction = 300.0")) << flat["notes"];
+  // A dip that no plane through the traces has.
+  const json gentle = survey(inclined + "[[set]]\nname = \"A\"\nazimuth = [0, 180]\ndip = 10\n")["sets"][0];
+  EXPECT_TRUE(gentle["notes"].dump().contains("steeper than planes of dip 10")) << gentle["notes"];
+}
+
+// Two sets with a wide spread: a trace 40 degrees off one and 50 off the other belongs to the nearer one. What is far
+// off all of narrow ones is of no set, and that is said. So are traces outside the window.
+TEST_F(SurveyEstimatesTest, TracesOfNoSetAndOutsideTheWindowAreSaid) {
+  write("t.csv", "x1,y1,x2,y2\n5,4,5,6\n6,5,8,5\n7,5,9,6.678\n30,5,32,5\n");
+  const std::string map =
+      "[[window]]\nname = \"map\"\ntraces = \"t.csv\"\nrectangle = { min = [0, 0], max = [20, 10] }\n";
+  const auto sets = [](int kappa) {
+    const std::string of = "\ndip = 90\nkappa = " + std::to_string(kappa) + "\ndip_direction = ";
+    return "[[set]]\nname = \"N\"" + of + "90\n[[set]]\nname = \"E\"" + of + "0\n";
+  };
+  const json wide = survey(map + sets(10));
+  EXPECT_EQ(wide["sets"][0]["traces"], 1);
+  EXPECT_EQ(wide["sets"][1]["traces"], 2);
+  EXPECT_TRUE(wide["notes"].dump().contains("window map: 1 of 4 traces (25 %) lie outside it")) << wide["notes"];
+  const json narrow = survey(map + sets(100));
+  EXPECT_EQ(narrow["sets"][1]["traces"], 1);
+  EXPECT_TRUE(narrow["notes"].dump().contains("1 of 3 traces belong to no set; their P21, 0.0131 1/m"))
+      << narrow["notes"];
+  write("t.csv", "x1,y1,x2,y2\n100,500,300,500\n");
+  const json out = survey(map + sets(10));
+  EXPECT_TRUE(out["notes"].dump().contains("are both in the same units?")) << out["notes"];
+  EXPECT_EQ(out.dump().find("no [[scanline]]"), std::string::npos);
+}
+
+TEST_F(SurveyEstimatesTest, WindowOfInitIsTheOneItSays) {
+  for (const char* file : {"window.toml", "window.csv"}) {
+    write(file, cleave(std::string{"init window"} + (std::string{file}.ends_with("csv") ? "-csv" : "")).out);
+  }
+  const json sets = survey(read("window.toml"))["sets"];
+  EXPECT_EQ(sets[0]["traces"], 28);
+  EXPECT_EQ(sets[1]["traces"], 14);
+  for (const json& set : sets) EXPECT_TRUE(set.contains("p32") && set.contains("size")) << set["name"];
+}
+
+}  // namespace
+}  // namespace cleave::cli::test
