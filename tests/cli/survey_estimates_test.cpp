@@ -148,7 +148,9 @@ TEST_F(SurveyEstimatesTest, TracesOfNoSetAndOutsideTheWindowAreSaid) {
   EXPECT_EQ(wide["sets"][0]["traces"], 1);
   EXPECT_EQ(wide["sets"][1]["traces"], 2);
   EXPECT_TRUE(wide["notes"].dump().contains("window map: 1 of 4 traces (25 %) lie outside it")) << wide["notes"];
+  EXPECT_TRUE(wide["notes"].dump().contains("of 3 are of another")) << wide["notes"];
   const json narrow = survey(map + sets(100));
+  EXPECT_EQ(narrow["notes"].dump().find("are of another"), std::string::npos) << narrow["notes"];
   EXPECT_EQ(narrow["sets"][1]["traces"], 1);
   EXPECT_TRUE(narrow["notes"].dump().contains("1 of 3 traces belong to no set; their P21, 0.0131 1/m"))
       << narrow["notes"];
@@ -166,6 +168,23 @@ TEST_F(SurveyEstimatesTest, WindowOfInitIsTheOneItSays) {
   EXPECT_EQ(sets[0]["traces"], 28);
   EXPECT_EQ(sets[1]["traces"], 14);
   for (const json& set : sets) EXPECT_TRUE(set.contains("p32") && set.contains("size")) << set["name"];
+}
+
+// Lines of 4 m with a joint a metre see only gaps that fit on them: y = 4, (y - 2 + (y + 2) e^-y)/(y - 1 + e^-y) = 0.70
+// of the whole ones. On one of 40 m it is 0.97: nothing to say.
+TEST_F(SurveyEstimatesTest, LinesShortForTheirSpacingsAreSaid) {
+  const std::string head = "distance,dip,dip_direction\n";
+  write("s.csv", head + "0.2,90,90\n0.9,90,90\n1.2,90,90\n3.4,90,90\n");
+  std::string two;
+  for (const char* name : {"a", "b"}) two += line("s.csv", name, 90, 4);
+  const std::string notes = survey(two)["sets"][0]["notes"].dump();
+  EXPECT_TRUE(notes.contains("on average 0.70 of the whole ones")) << notes;
+  EXPECT_TRUE(notes.contains("a mean of 1.53 m, not of 1.07 m")) << notes;
+  std::string rows = head;
+  for (int i = 0; i < 40; ++i) rows += std::to_string(i + 0.2 * (i % 3)) + ",90,90\n";
+  write("l.csv", rows);
+  const std::string quiet = survey(line("l.csv", "L", 90, 40))["sets"][0]["notes"].dump();
+  EXPECT_EQ(quiet.find("short for them"), std::string::npos) << quiet;
 }
 
 // With y 20 degrees west of north a compass reads 40: sets.toml has it so, and a scene with that north turns it once.
