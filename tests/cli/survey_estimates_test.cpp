@@ -1,7 +1,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "survey_program.hpp"
 
@@ -146,7 +148,9 @@ TEST_F(SurveyEstimatesTest, TracesOfNoSetAndOutsideTheWindowAreSaid) {
   EXPECT_EQ(wide["sets"][0]["traces"], 1);
   EXPECT_EQ(wide["sets"][1]["traces"], 2);
   EXPECT_TRUE(wide["notes"].dump().contains("window map: 1 of 4 traces (25 %) lie outside it")) << wide["notes"];
+  EXPECT_TRUE(wide["notes"].dump().contains("of 3 are of another")) << wide["notes"];
   const json narrow = survey(map + sets(100));
+  EXPECT_EQ(narrow["notes"].dump().find("are of another"), std::string::npos) << narrow["notes"];
   EXPECT_EQ(narrow["sets"][1]["traces"], 1);
   EXPECT_TRUE(narrow["notes"].dump().contains("1 of 3 traces belong to no set; their P21, 0.0131 1/m"))
       << narrow["notes"];
@@ -164,6 +168,69 @@ TEST_F(SurveyEstimatesTest, WindowOfInitIsTheOneItSays) {
   EXPECT_EQ(sets[0]["traces"], 28);
   EXPECT_EQ(sets[1]["traces"], 14);
   for (const json& set : sets) EXPECT_TRUE(set.contains("p32") && set.contains("size")) << set["name"];
+}
+
+// Lines of 4 m with a joint a metre see only gaps that fit on them: y = 4, (y - 2 + (y + 2) e^-y)/(y - 1 + e^-y) = 0.70
+// of the whole ones. On one of 40 m it is 0.97: nothing to say.
+TEST_F(SurveyEstimatesTest, LinesShortForTheirSpacingsAreSaid) {
+  const std::string head = "distance,dip,dip_direction\n";
+  write("s.csv", head + "0.2,90,90\n0.9,90,90\n1.2,90,90\n3.4,90,90\n");
+  std::string two;
+  for (const char* name : {"a", "b"}) two += line("s.csv", name, 90, 4);
+  const std::string notes = survey(two)["sets"][0]["notes"].dump();
+  EXPECT_TRUE(notes.contains("on average 0.70 of the whole ones")) << notes;
+  EXPECT_TRUE(notes.contains("a mean of 1.53 m, not of 1.07 m")) << notes;
+  std::string rows = head;
+  for (int i = 0; i < 40; ++i) rows += std::to_string(i + 0.2 * (i % 3)) + ",90,90\n";
+  write("l.csv", rows);
+  const std::string quiet = survey(line("l.csv", "L", 90, 40))["sets"][0]["notes"].dump();
+  EXPECT_EQ(quiet.find("short for them"), std::string::npos) << quiet;
+}
+
+// With y 20 degrees west of north a compass reads 40: sets.toml has it so, and a scene with that north turns it once.
+TEST_F(SurveyEstimatesTest, SetsAreFromTrueNorthAsTheCompassReadThem) {
+  write("l.csv", "distance,dip,dip_direction,set\n1,60,40,A\n2,60,40,A\n3,60,40,A\n4,60,40,A\n");
+  const json result = survey("north = 20\n" + line("l.csv", "L", 40, 10));
+  EXPECT_EQ(result["north"], 20);
+  EXPECT_NEAR(result["sets"][0]["orientation"]["dip_direction"], 40, 1e-9);
+  EXPECT_TRUE(read("out/sets.toml").contains("the scene needs north = 20."));
+  write("s.toml",
+        "north = 20\ninclude = [\"out/sets.toml\"]\n[domain]\nbox = { min = [0, 0, 0], max = [10, 10, 10] }\n");
+  const Ended cut = cleave("run s.toml --quiet -o cut");
+  EXPECT_EQ(cut.code, 0) << cut.err;
+  const json drawn = json::parse(read("cut/summary.json"));
+  EXPECT_GT(drawn["input"]["joints"], 0);
+  // In space the joints dip to 60 degrees from y: corners of a joint lie on sin 60 sin 60 x + sin 60 cos 60 y + z/2.
+  const Ended net = cleave("convert s.toml net.obj");
+  EXPECT_EQ(net.code, 0) << net.err;
+  std::istringstream obj{read("net.obj")};
+  std::vector<std::array<double, 3>> corners;
+  for (std::string row; std::getline(obj, row);) {
+    if (row.starts_with("v ")) {
+      std::array<double, 3> p{};
+      std::istringstream{row.substr(2)} >> p[0] >> p[1] >> p[2];
+      corners.push_back(p);
+    }
+    if (!row.starts_with("f ")) continue;
+    std::istringstream face{row.substr(2)};
+    std::vector<double> along;
+    for (std::string corner; face >> corner;) {
+      const auto& p = corners[std::stoul(corner) - 1];
+      along.push_back(0.75 * p[0] + std::sqrt(3.0) / 4 * p[1] + 0.5 * p[2]);
+    }
+    for (const double a : along) EXPECT_NEAR(a, along.front(), 1e-4) << row;
+  }
+  EXPECT_GT(corners.size(), 3U);
+  // Stated directions and azimuths of traces are from true north, too.
+  write("t.csv", "x1,y1,x2,y2\n4,4,5,5.7320508\n6,4,7,5.7320508\n");
+  const std::string map = "north = 20\n[[window]]\ntraces = \"t.csv\"\nrectangle = { min = [0, 0], max = [20, 10] }\n";
+  const json traced = survey(map + "[[set]]\nname = \"A\"\nazimuth = [5, 15]\ndip = 60\n");
+  EXPECT_NEAR(traced["sets"][0]["orientation"]["dip_direction"], 100, 1e-4);  // traces along 030 of the map, 010 true
+  EXPECT_NEAR(traced["windows"][0]["map"]["direction"], 10, 1e-4);
+  EXPECT_TRUE(traced["sets"][0]["notes"].dump().contains("dip_direction = 280.0")) << traced["sets"][0]["notes"];
+  const json stated = survey(map + "[[set]]\nname = \"A\"\ndip = 90\ndip_direction = 100\nkappa = 500\n");
+  EXPECT_NEAR(stated["sets"][0]["orientation"]["dip_direction"], 100, 1e-9);
+  EXPECT_NEAR(stated["sets"][0]["p32"]["value"], 4 / 200.0, 1e-4);  // it holds the traces: sin V = 1
 }
 
 }  // namespace

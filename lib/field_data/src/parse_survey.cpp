@@ -278,6 +278,7 @@ class SurveyParser final {
     const double dip = table.number("dip").value_or(0);
     const double direction = table.number("dip_direction").value_or(0);
     window.normal = normal_of(context_, dip, direction);
+    window.north = context_.north;
     // Maps of level ground: x east, y north. Inclined ones: x along the strike, y up the slope.
     window.x_axis = dip == 0 ? Vec3{1, 0, 0} : -geometry::strike_vector(context_.turned(direction));
     if (dip != 0 && dot(cross(window.normal, window.x_axis), Vec3{0, 0, 1}) < 0) window.x_axis = -window.x_axis;
@@ -328,7 +329,7 @@ class SurveyParser final {
     }
     if (const auto azimuth = table.pair("azimuth")) rule.azimuth = std::pair{(*azimuth)[0], (*azimuth)[1]};
     if (const auto dip = table.number("dip")) rule.dip = Dip::degrees(*dip);
-    if (const auto direction = table.number("dip_direction")) rule.dip_direction = DipDirection::degrees(*direction);
+    if (const auto direction = table.number("dip_direction")) rule.dip_direction = context_.turned(*direction);
     rule.kappa = table.number("kappa");
     shape(table, rule.shape);
     in_.rules.push_back(std::move(rule));
@@ -443,7 +444,9 @@ const KeyTable& survey_keys() {
       .keys = {{"schema", key::whole(1, 1), "1", "version of this format"},
                {"title", key::text(), "the file's name", "shown in the results"},
                {"seed", key::whole(0, INT64_MAX), "1", "whole number from 0"},
-               {"north", key::number(rule::turn), "0", "degrees from y to true north, clockwise"},
+               {"north", key::number(rule::turn), "0",
+                "degrees from y to true north, clockwise; directions that are stated and those of all results are from "
+                "true north; scenes that take sets.toml need the same"},
                {"confidence", key::number(confidence_rule), "0.95", "of all intervals"},
                {"weight_cap", key::number(cap_rule), "10",
                 "largest weight of its own against orientation bias: joints within 5.7 degrees of the line or outcrop "
@@ -476,7 +479,7 @@ std::expected<SurveyScene, std::vector<Problem>> parse_survey(string_view text, 
   if (const std::int64_t clusters = root.count("clusters"); clusters > 0) {
     scene.input.clusters = static_cast<std::size_t>(clusters);
   }
-  context.north = root.value("north");
+  context.north = scene.input.north = root.value("north");
 
   SurveyParser parser{context, scene};
   for (const TableReader& table : root.each("orientations")) parser.orientations(table);

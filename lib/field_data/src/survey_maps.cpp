@@ -153,7 +153,7 @@ MapFigures map_figures(const survey::WindowSurvey& map, const std::vector<survey
   std::vector<survey::WeightedAxis> axes;
   for (const survey::SeenTrace& t : seen) {
     const geometry::Vec3 d = t.direction.x * map.x_axis + t.direction.y * y;
-    axes.push_back({std::atan2(d.x, d.y), t.length});
+    axes.push_back({std::atan2(d.x, d.y) - map.north * std::numbers::pi / 180, t.length});
   }
   const survey::MeanAxis mean = mean_axis(axes, confidence);
   figures.direction = mean.direction.value.value_or(0);

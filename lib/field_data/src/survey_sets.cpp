@@ -86,6 +86,12 @@ SetsFile sets_file(const SurveyScene& survey, const survey::SurveyResult& result
   file.toml = fmt::format(
       "# Joint sets of {} (sha256 {}), by cleave survey. A scene takes them with include = [\"sets.toml\"].\n",
       on_one_line(survey.file_name), survey.sha256);
+  if (survey.input.north != 0) {
+    file.toml += fmt::format(
+        "# Dip directions are from true north, {0} degrees from the y axis of the survey: the scene needs north = "
+        "{0}.\n",
+        survey.input.north);
+  }
   for (const survey::SetResult& set : result.sets) {
     file.toml += "\n";
     if (!usable(set)) {
@@ -93,7 +99,7 @@ SetsFile sets_file(const SurveyScene& survey, const survey::SurveyResult& result
                                set.joints > 0 || set.orientation_stated ? "intensity is" : "orientation is");
       continue;
     }
-    const geometry::Attitude mean = geometry::attitude_of(set.orientation.mean);
+    const geometry::Attitude mean = survey::compass_attitude(set.orientation.mean, set.north);
     file.toml += fmt::format("[[joint_set]]\nname = {}\nmodel = \"baecher\"\n", in_quotes(set.name));
     const bool fisher = set.orientation.fisher && std::isfinite(set.orientation.kappa);
     if (fisher || set.orientation_stated) {
@@ -113,7 +119,7 @@ SetsFile sets_file(const SurveyScene& survey, const survey::SurveyResult& result
       const double least = *std::ranges::min_element(set.weights);
       std::string csv = "dip,dip_direction\n";
       for (std::size_t i = 0; i < set.normals.size(); ++i) {
-        const geometry::Attitude a = geometry::attitude_of(set.normals[i]);
+        const geometry::Attitude a = survey::compass_attitude(set.normals[i], set.north);
         const auto times = std::clamp(std::lround(4 * set.weights[i] / least), 1L, 400L);
         for (long t = 0; t < times; ++t) csv += fmt::format("{},{}\n", a.dip.degrees(), a.direction.degrees());
       }

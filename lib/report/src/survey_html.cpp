@@ -175,7 +175,7 @@ std::string range(double low, double high, int digits = 3) {
 
 /// Dip and dip direction with what is known of their error.
 std::string attitude_text(const survey::SetResult& set) {
-  const geometry::Attitude mean = geometry::attitude_of(set.orientation.mean);
+  const geometry::Attitude mean = survey::compass_attitude(set.orientation.mean, set.north);
   std::string out = display(mean.dip.degrees(), 3) + "° / " + display(mean.direction.degrees(), 4) + "°";
   if (!set.orientation_stated) return out + " ± " + display(set.orientation.cone_degrees, 2) + "°";
   if (set.direction) out += " " + range(set.direction->low, set.direction->high, 4);
@@ -247,9 +247,11 @@ std::string nets_section(const scene::SurveyScene& scene, const survey::SurveyRe
   sets.push_back({"unassigned", result.unassigned});
   for (std::size_t i = 0; i < scene.input.orientations.size(); ++i) {
     const std::size_t set = result.set_of[i].value_or(result.sets.size());
-    poles.push_back({scene.input.orientations[i].normal, static_cast<std::uint32_t>(set)});
-    normals.push_back(scene.input.orientations[i].normal);
     const auto& o = scene.input.orientations[i];
+    // True north at the top.
+    const Vec3 normal = geometry::upward_normal(survey::compass_attitude(o.normal, scene.input.north));
+    poles.push_back({normal, static_cast<std::uint32_t>(set)});
+    normals.push_back(normal);
     weights.push_back(survey::weight_of(o, scene.input.weight_cap));
   }
   std::string out = "<section id=\"net\"><h2>Stereonets</h2>\n<div class=\"columns\">";

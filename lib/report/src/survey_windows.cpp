@@ -34,7 +34,7 @@ std::string rosette(const survey::WindowSurvey& window, const std::vector<survey
   const Vec3 y = cross(window.normal, window.x_axis);
   for (const survey::SeenTrace& t : seen_through(window.window, traces, border)) {
     const Vec3 d = t.direction.x * window.x_axis + t.direction.y * y;
-    double a = std::atan2(d.x, d.y);
+    double a = std::remainder(std::atan2(d.x, d.y) - window.north * pi / 180, pi);
     if (a < 0) a += pi;
     sums[std::min(static_cast<std::size_t>(a / pi * petals), petals - 1)] += t.length;
   }

@@ -65,6 +65,7 @@ class Analysis final {
     if (it != out_.sets.end()) return static_cast<std::size_t>(it - out_.sets.begin());
     out_.sets.emplace_back();
     out_.sets.back().name = name;
+    out_.sets.back().north = in_.north;
     return out_.sets.size() - 1;
   }
 
@@ -182,12 +183,13 @@ class Analysis final {
         set.notes.insert(set.notes.end(), traced->notes.begin(), traced->notes.end());
         set.direction = traced->direction;
         direction = *set.direction->value;
+        turn_to_north(*set.direction);
         if (traced->other) {
-          set.notes.push_back(
-              fmt::format("planes of dip {0} that dip to {1:05.1f} or to {2:05.1f} leave the same traces: the first is "
-                          "taken; state "
-                          "dip_direction = {2:.1f} if it is the other",
-                          rule.dip->degrees(), direction, *traced->other));
+          set.notes.push_back(fmt::format(
+              "planes of dip {0} that dip to {1:05.1f} or to {2:05.1f} leave the same traces: the first is "
+              "taken; state "
+              "dip_direction = {2:.1f} if it is the other",
+              rule.dip->degrees(), *set.direction->value, geometry::wrap_degrees(*traced->other - in_.north)));
         }
       }
       if (!rule.kappa && traced && traced->kappa.value) {
@@ -205,6 +207,11 @@ class Analysis final {
     set.notes.push_back(fmt::format("dip {} degrees is stated, not measured", rule.dip->degrees()));
   }
 
+  /// A direction from the y axis as one from true north.
+  void turn_to_north(Estimate& direction) const {
+    const double turn = geometry::wrap_degrees(*direction.value - in_.north) - *direction.value;
+    for (double* angle : {&*direction.value, &direction.low, &direction.high}) *angle += turn;
+  }
   static bool within(double azimuth, std::pair<double, double> range) {
     const double width = geometry::wrap_degrees(range.second - range.first);
     return geometry::wrap_degrees(azimuth - range.first) <= width ||
@@ -261,6 +268,7 @@ class Analysis final {
           laws.emplace_back(k, detail::TracesOfSet{out_.sets[k].orientation, window});
         }
       }
+      double doubtful = 0;  // traces of another set than the likeliest, as many as are to be expected
       for (std::size_t i = 0; i < sets.size(); ++i) {
         const MapPoint direction = seen_.back()[i].direction;
         const double azimuth = detail::azimuth_of(window, direction);
@@ -269,16 +277,28 @@ class Analysis final {
           sets[i] = own->first;
           continue;
         }
-        double best = -1;
+        double best = -1, sum = 0;
         for (auto& [k, law] : laws) {
           if (out_.sets.size() > 1 && !law.may_hold(direction)) continue;
           const double density = law.density(direction);
+          sum += density;
           if (!(density > best)) continue;
           best = density;
           sets[i] = k;
         }
+        if (sum > 0) doubtful += 1 - best / sum;
       }
+      note_doubtful(window.name, doubtful, sets.size());
     }
+  }
+
+  void note_doubtful(const std::string& window, double doubtful, std::size_t traces) {
+    constexpr double few = 0.05;
+    if (doubtful <= few * static_cast<double>(traces)) return;
+    out_.notes.push_back(
+        fmt::format("window {}: sets leave traces of like directions: each trace is of the likeliest set, and about "
+                    "{:.2g} of {} are of another; intervals of P21, P32 and sizes do not have that in them",
+                    window, doubtful, traces));
   }
 
   /// Of the traces on a window that belong to no set, where there are sets.
@@ -379,6 +399,25 @@ class Analysis final {
       }
     }
     std::ranges::stable_sort(set.spacings, {}, &Fit::aic);
+    if (!set.spacings.empty()) note_short_lines(set, known);
+  }
+
+  /// Long gaps fit on short lines less often than short ones.
+  void note_short_lines(SetResult& set, std::size_t joints) const {
+    std::vector<double> lengths;
+    double all = 0;
+    for (const LineSurvey& line : in_.lines) {
+      lengths.push_back(line.length());
+      all += line.length();
+    }
+    constexpr double little = 0.95;
+    const double share = mean_gap_share(static_cast<double>(joints) / all, lengths);
+    if (share > little) return;
+    set.notes.push_back(
+        fmt::format("spacings: the lines are short for them: only gaps that fit on a line are seen, on average {:.2f} "
+                    "of the whole ones (if joints lie by chance), and the laws are those of these; a mean of {:.3g} m, "
+                    "not of {:.3g} m, goes with P10",
+                    share, set.spacings.front().moment(1) / share, set.spacings.front().moment(1)));
   }
 
   /// From the strike to the set's traces in the joints' plane, degrees counter-clockwise seen from above.

@@ -30,6 +30,16 @@ double mean_gap_share(double y) {
   return (y - 2 + (y + 2) * std::exp(-y)) / (y - 1 + std::exp(-y));
 }
 
+double mean_gap_share(double frequency, std::span<const double> lengths) {
+  double sum = 0, gaps = 0;
+  for (const double length : lengths) {
+    const double y = frequency * length, number = y < 1e-3 ? y * y / 2 : y - 1 + std::exp(-y);
+    sum += number * mean_gap_share(y);
+    gaps += number;
+  }
+  return sum / gaps;
+}
+
 Estimate frequency_from_gaps(std::span<const double> gaps, double length, double confidence) {
   Estimate e{"frequency", {}, 0, 0, "mean of complete gaps, corrected for the line's length", ""};
   if (gaps.empty()) {

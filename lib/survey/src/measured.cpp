@@ -32,6 +32,13 @@ Sampling sampling_of(MeasuredOrientation joint) {
           0};
 }
 
+geometry::Attitude compass_attitude(geometry::Vec3 normal, double north) {
+  geometry::Attitude attitude = geometry::attitude_of(normal);
+  if (north != 0)
+    attitude.direction = DipDirection::degrees(geometry::wrap_degrees(attitude.direction.degrees() - north));
+  return attitude;
+}
+
 double LineSurvey::length() const noexcept {
   double sum = 0;
   for (const auto& [direction, piece] : pieces) sum += piece;

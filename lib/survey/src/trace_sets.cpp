@@ -26,8 +26,8 @@ Vec3 in_space(MapPoint d, Vec3 x, Vec3 y) { return d.x * x + d.y * y; }
 
 double azimuth_of(const WindowSurvey& window, MapPoint direction) {
   const Vec3 d = in_space(direction, window.x_axis, cross(window.normal, window.x_axis));
-  const double a = std::atan2(d.x, d.y) * degrees;
-  return a < 0 ? a + 180 : (a >= 180 ? a - 180 : a);
+  const double a = std::remainder(std::atan2(d.x, d.y) * degrees - window.north, 180);
+  return a < 0 ? a + 180 : a;
 }
 
 bool tells_azimuths(const WindowSurvey& window) {

@@ -11,7 +11,7 @@
 /// From traces on outcrops to sets, and from traces and a dip to dip directions.
 namespace cleave::survey::detail {
 
-/// Azimuth of a trace on the window, degrees in [0, 180) from the y axis.
+/// Azimuth of a trace on the window, degrees in [0, 180) from true north.
 [[nodiscard]] double azimuth_of(const WindowSurvey& window, MapPoint direction);
 /// Whether azimuths tell traces on this window apart: on a vertical face all have that of its strike.
 [[nodiscard]] bool tells_azimuths(const WindowSurvey& window);

@@ -69,7 +69,7 @@ void fields(V& v, const SizeOfJoints& law) {
 template <class V>
 void orientation_fields(V& v, const SetResult& set) {
   const FisherFit& fit = set.orientation;
-  const geometry::Attitude mean = geometry::attitude_of(fit.mean);
+  const geometry::Attitude mean = compass_attitude(fit.mean, set.north);
   v("dip", mean.dip.degrees());
   v("dip_direction", mean.direction.degrees());
   interval_fields(v, "dip_direction", set.direction);
@@ -231,6 +231,7 @@ void survey_fields(V& v, const scene::SurveyScene& survey, const survey::SurveyR
   v("title", survey.input.title);
   v("survey_sha256", survey.sha256);
   v("confidence", survey.input.confidence);
+  v("north", survey.input.north);
   v("orientations", survey.input.orientations.size());
   v("unassigned", result.unassigned);
   v("eigenvalues", result.tensor.values);

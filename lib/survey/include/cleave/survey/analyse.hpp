@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cleave/core/quantity.hpp"
+#include "cleave/geometry/orientation.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/survey/orientation.hpp"
 #include "cleave/survey/traces.hpp"
@@ -62,6 +63,7 @@ struct WindowSurvey {
   Window window;
   geometry::Vec3 normal{0, 0, 1};  ///< of the window's plane
   geometry::Vec3 x_axis{1, 0, 0};  ///< of the map, in space
+  double north = 0;                ///< as in SurveyInput
   std::vector<Polyline> traces;
   Length border = {};      ///< ends so near to the window's border are taken as cut off by it
   Length truncation = {};  ///< shorter traces were not mapped
@@ -70,18 +72,23 @@ struct WindowSurvey {
 /// How joints are put into sets.
 struct SetRule {
   std::string name;
-  std::vector<geometry::Vec3> polygon;               ///< on the stereonet; empty: none
-  std::optional<std::pair<double, double>> azimuth;  ///< of traces, degrees, when no orientations were measured
-  std::optional<Dip> dip;                            ///< stated, when it cannot be measured
+  std::vector<geometry::Vec3> polygon;  ///< on the stereonet; empty: none
+  /// Of traces, degrees from true north, when no orientations were measured.
+  std::optional<std::pair<double, double>> azimuth;
+  std::optional<Dip> dip;  ///< stated, when it cannot be measured
   std::optional<DipDirection> dip_direction;
   std::optional<double> kappa;
   ShapeRule shape;
 };
 
+/// As a compass shows it, of a normal in space.
+[[nodiscard]] geometry::Attitude compass_attitude(geometry::Vec3 normal, double north);
+
 struct SurveyInput {
   std::string title;
   double confidence = 0.95;
   std::uint64_t seed = 1;
+  double north = 0;  ///< degrees from the y axis to true north, clockwise
   double weight_cap = 10;
   std::optional<std::size_t> clusters = {};  ///< empty: by rules or by the sets stated
   std::vector<MeasuredOrientation> orientations;
@@ -112,13 +119,15 @@ struct FittedSize {
 
 struct SetResult {
   std::string name;
+  double north = 0;                 ///< as in SurveyInput: normals are those in space
   std::size_t joints = 0;           ///< with a measured orientation
   std::size_t traces = 0;           ///< in windows
   std::size_t traces_on_lines = 0;  ///< with a length
   FisherFit orientation;
   std::optional<BinghamFit> bingham;  ///< when Fisher's law is refused
   bool orientation_stated = false;    ///< dip not measured: stated by the rule
-  std::optional<Estimate> direction;  ///< dip direction from the traces, where only the dip was stated; degrees
+  /// Dip direction from the traces, where only the dip was stated; degrees from true north.
+  std::optional<Estimate> direction;
   std::vector<geometry::Vec3> normals;
   std::vector<double> weights;
   std::optional<Estimate> p10_normal;  ///< joints per metre along the mean normal, from lines
