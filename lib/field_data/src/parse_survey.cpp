@@ -479,7 +479,8 @@ std::expected<SurveyScene, std::vector<Problem>> parse_survey(string_view text, 
   if (const std::int64_t clusters = root.count("clusters"); clusters > 0) {
     scene.input.clusters = static_cast<std::size_t>(clusters);
   }
-  context.north = scene.input.north = root.value("north");
+  context.north = root.value("north");
+  scene.input.north = geometry::North::degrees(context.north);
 
   SurveyParser parser{context, scene};
   for (const TableReader& table : root.each("orientations")) parser.orientations(table);

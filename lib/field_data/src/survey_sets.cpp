@@ -86,11 +86,11 @@ SetsFile sets_file(const SurveyScene& survey, const survey::SurveyResult& result
   file.toml = fmt::format(
       "# Joint sets of {} (sha256 {}), by cleave survey. A scene takes them with include = [\"sets.toml\"].\n",
       on_one_line(survey.file_name), survey.sha256);
-  if (survey.input.north != 0) {
+  if (survey.input.north.degrees() != 0) {
     file.toml += fmt::format(
         "# Dip directions are from true north, {0} degrees from the y axis of the survey: the scene needs north = "
         "{0}.\n",
-        survey.input.north);
+        survey.input.north.degrees());
   }
   for (const survey::SetResult& set : result.sets) {
     file.toml += "\n";

@@ -249,7 +249,7 @@ std::string nets_section(const scene::SurveyScene& scene, const survey::SurveyRe
     const std::size_t set = result.set_of[i].value_or(result.sets.size());
     const auto& o = scene.input.orientations[i];
     // True north at the top.
-    const Vec3 normal = geometry::upward_normal(survey::compass_attitude(o.normal, scene.input.north));
+    const Vec3 normal = geometry::upward_normal(survey::compass_attitude(o.normal, scene.input.north.degrees()));
     poles.push_back({normal, static_cast<std::uint32_t>(set)});
     normals.push_back(normal);
     weights.push_back(survey::weight_of(o, scene.input.weight_cap));

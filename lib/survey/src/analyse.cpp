@@ -65,7 +65,7 @@ class Analysis final {
     if (it != out_.sets.end()) return static_cast<std::size_t>(it - out_.sets.begin());
     out_.sets.emplace_back();
     out_.sets.back().name = name;
-    out_.sets.back().north = in_.north;
+    out_.sets.back().north = in_.north.degrees();
     return out_.sets.size() - 1;
   }
 
@@ -185,11 +185,12 @@ class Analysis final {
         direction = *set.direction->value;
         turn_to_north(*set.direction);
         if (traced->other) {
-          set.notes.push_back(fmt::format(
-              "planes of dip {0} that dip to {1:05.1f} or to {2:05.1f} leave the same traces: the first is "
-              "taken; state "
-              "dip_direction = {2:.1f} if it is the other",
-              rule.dip->degrees(), *set.direction->value, geometry::wrap_degrees(*traced->other - in_.north)));
+          set.notes.push_back(
+              fmt::format("planes of dip {0} that dip to {1:05.1f} or to {2:05.1f} leave the same traces: the first is "
+                          "taken; state "
+                          "dip_direction = {2:.1f} if it is the other",
+                          rule.dip->degrees(), *set.direction->value,
+                          geometry::wrap_degrees(*traced->other - in_.north.degrees())));
         }
       }
       if (!rule.kappa && traced && traced->kappa.value) {
@@ -209,7 +210,7 @@ class Analysis final {
 
   /// A direction from the y axis as one from true north.
   void turn_to_north(Estimate& direction) const {
-    const double turn = geometry::wrap_degrees(*direction.value - in_.north) - *direction.value;
+    const double turn = geometry::wrap_degrees(*direction.value - in_.north.degrees()) - *direction.value;
     for (double* angle : {&*direction.value, &direction.low, &direction.high}) *angle += turn;
   }
   static bool within(double azimuth, std::pair<double, double> range) {

@@ -231,7 +231,7 @@ void survey_fields(V& v, const scene::SurveyScene& survey, const survey::SurveyR
   v("title", survey.input.title);
   v("survey_sha256", survey.sha256);
   v("confidence", survey.input.confidence);
-  v("north", survey.input.north);
+  v("north", survey.input.north.degrees());
   v("orientations", survey.input.orientations.size());
   v("unassigned", result.unassigned);
   v("eigenvalues", result.tensor.values);

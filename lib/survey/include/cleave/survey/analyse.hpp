@@ -88,7 +88,7 @@ struct SurveyInput {
   std::string title;
   double confidence = 0.95;
   std::uint64_t seed = 1;
-  double north = 0;  ///< degrees from the y axis to true north, clockwise
+  geometry::North north = {};  ///< from the y axis to true north, clockwise
   double weight_cap = 10;
   std::optional<std::size_t> clusters = {};  ///< empty: by rules or by the sets stated
   std::vector<MeasuredOrientation> orientations;
