@@ -41,8 +41,7 @@ TEST_F(SurveyEstimatesTest, JointsWithoutAnOrientationCountOnLines) {
 }
 
 // Six joints of A and two of B are known, four are not: three to one. B cannot be met by the second line, so that its
-// five are of A. The interval is narrower than that of the known ones, wider than if all had been
-// known.
+// five are of A. The interval is narrower than that of the known ones, wider than if all had been known.
 TEST_F(SurveyEstimatesTest, JointsOfUnknownSetAreSharedOut) {
   const std::string known =
       "distance,dip,dip_direction,set\n1,90,45,A\n2,90,45,A\n3,90,45,A\n4,90,45,A\n5,90,45,A\n6,90,45,A\n"

@@ -141,7 +141,7 @@ std::optional<std::uint64_t> seed_of(const std::string& text) {
 /// What the command line asks for. Each command below adds itself: what it holds is kept by its own callback.
 using Chosen = std::function<ExitCode()>;
 
-/// For options that are a number of a draw: "-1" would be the largest one.
+/// For options that are a number of a draw: "-1" would be the largest one. Empty: it is one.
 std::string whole_from_zero(const std::string& text) {
   if (seed_of(text)) return {};
   return "\"" + text + "\" is not a whole number from 0 to 9223372036854775807";
@@ -169,7 +169,7 @@ std::shared_ptr<std::uint64_t> add_memory(CLI::App* command) {
 
 ExitCode run_as_asked(RunArguments& run, const std::string& seed, const std::string& shard) {
   if (!seed.empty() && !(run.seed = seed_of(seed))) {
-    print_error("cleave run: --seed: \"" + seed + "\" is not a whole number from 0 to 9223372036854775807");
+    print_error("cleave run: --seed: " + whole_from_zero(seed));
     return ExitCode::wrong_input;
   }
   if (shard.empty()) return run_scene(run);

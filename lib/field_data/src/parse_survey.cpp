@@ -72,8 +72,7 @@ const KeyTable& window_keys() {
           {{"name", key::text(), "its number", "in the results"},
            {"traces", key::text(), required,
             "`.geojson` in a metric projection (degrees are refused), `.csv` with x1,y1,x2,y2 or trace,x,y, or "
-            "FracPaQ's `.txt` with "
-            "`scale`"},
+            "FracPaQ's `.txt` with `scale`"},
            {"scale", key::number(scale_rule), "1",
             "m a unit of the map (a pixel), of the traces and of the window's outline"},
            {"area", key::text(), "", "`.geojson` of the window"},

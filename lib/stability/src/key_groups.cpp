@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include "cleave/core/assert.hpp"
 #include "contacts.hpp"
 #include "domain_held.hpp"
 #include "group_search.hpp"
+#include "strengths_over.hpp"
 #include "ties.hpp"
 #include "verdict.hpp"
 
@@ -17,15 +17,6 @@ namespace cleave::stability {
 namespace {
 
 using topology::BlockId;
-
-Settings with_strengths_over(const Settings& settings, double factor) {
-  Settings reduced = settings;
-  auto partial = PartialFactors::make(settings.partial.friction() * factor, settings.partial.cohesion() * factor,
-                                      settings.partial.weight());
-  CLEAVE_ASSERT(partial.has_value());
-  reduced.partial = *partial;
-  return reduced;
-}
 
 /// Of a bracket of the factor of safety: where it is looked for, by what steps, and how fine.
 constexpr double least_factor = 0.1, largest_factor = 10, step_of_factor = 1.25, fine_factor = 1.01;

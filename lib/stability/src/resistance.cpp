@@ -26,21 +26,12 @@ Pressings of_motion(const Motion& motion) {
   std::unreachable();
 }
 
-/// Which shares of a group's cohesion count, and of that of faces that do not open.
-struct Shares {
-  double counted = 0, touches = 0;
-};
-/// The resultant presses on some; `parallel_contact`: what does not open counts, too.
-Shares shares_of(const Contacts& contacts, const Resultant& resultant, const Motion& motion, const Pressings& pressing,
-                 bool parallel_contact, std::uint32_t group) {
-  const double load = geometry::norm(resultant.newtons()), driving = geometry::norm(motion.s);
-  double pressed = 0;
-  for (const auto& [presses, reaction] : pressing) {
-    if (presses == group && load > 0) pressed = cohesion_share(reaction / load);
-  }
-  const double opens = geometry::dot(contacts.cone.groups()[group].unit(), motion.s) / driving;
-  const double touches = std::ranges::binary_search(motion.touching, group) ? 1 : 1 - cohesion_share(opens);
-  return {parallel_contact ? std::max(pressed, touches) : pressed, touches};
+/// A face that the motion is known to touch opens by nothing, whatever rounding says.
+CohesionShares shares_of(const Contacts& contacts, const Resultant& resultant, const Motion& motion,
+                         const Pressings& pressing, bool parallel_contact, std::uint32_t group) {
+  const bool touches = std::ranges::binary_search(motion.touching, group);
+  const double opens = geometry::dot(contacts.cone.groups()[group].unit(), motion.s) / geometry::norm(motion.s);
+  return cohesion_shares(pressing, group, geometry::norm(resultant.newtons()), touches ? 0 : opens, parallel_contact);
 }
 
 struct Cohesion {
@@ -53,7 +44,7 @@ Cohesion cohesion_of(const Contacts& contacts, const Resultant& resultant, const
   for (std::uint32_t group = 0; group < contacts.groups.size(); ++group) {
     const double cohesion = contacts.groups[group].cohesion;
     if (!(cohesion > 0)) continue;
-    const Shares share = shares_of(contacts, resultant, motion, pressing, parallel_contact, group);
+    const CohesionShares share = shares_of(contacts, resultant, motion, pressing, parallel_contact, group);
     sum.counted += share.counted * cohesion;
     sum.left_out += std::max(0.0, share.touches - share.counted) * cohesion;
   }
@@ -175,6 +166,16 @@ class OpeningTension final {
 
 }  // namespace
 
+CohesionShares cohesion_shares(std::span<const std::pair<std::uint32_t, double>> pressing, std::uint32_t group,
+                               double load, double opens, bool parallel_contact) {
+  double pressed = 0;
+  for (const auto& [presses, reaction] : pressing) {
+    if (presses == group && load > 0) pressed = cohesion_share(reaction / load);
+  }
+  const double touches = 1 - cohesion_share(opens);
+  return {parallel_contact ? std::max(pressed, touches) : pressed, touches};
+}
+
 double cohesion_share(double sine) {
   constexpr double full = 0.01745240643728351;  // sin 1 degree
   return std::clamp(sine / full, 0.0, 1.0);
@@ -206,7 +207,7 @@ Resistance resistance(const Contacts& contacts, const Resultant& resultant, cons
   result.cohesion_left_out = cohesion_of(contacts, resultant, motion, result.pressing, parallel_contact).left_out;
   for (const auto& [group, reaction] : result.pressing) {
     const Contact& contact = contacts.groups[group];
-    const Shares share = shares_of(contacts, resultant, motion, result.pressing, parallel_contact, group);
+    const CohesionShares share = shares_of(contacts, resultant, motion, result.pressing, parallel_contact, group);
     result.strength.push_back(reaction * contact.tan_at(reaction) + share.counted * contact.cohesion);
   }
   const double opening = OpeningTension{contacts, motion, result.pressing, geometry::normalized(motion.s)}.least();

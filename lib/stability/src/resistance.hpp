@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,15 @@ struct Resistance {
 /// What cohesion is worth at a face to which something stands at this small angle (sine): nothing at none, all from one
 /// degree on. So nothing jumps where a wall stands exactly along the resultant, or the motion exactly along a wall.
 [[nodiscard]] double cohesion_share(double sine);
+
+/// Which shares of a group's cohesion count, and of that of faces that do not open.
+struct CohesionShares {
+  double counted = 0, touches = 0;
+};
+/// Those of what a load (N) presses on, `pressing` having the group and reaction of each; `opens`: the sine at which
+/// the motion opens the face; `parallel_contact`: what does not open counts, too.
+[[nodiscard]] CohesionShares cohesion_shares(std::span<const std::pair<std::uint32_t, double>> pressing,
+                                             std::uint32_t group, double load, double opens, bool parallel_contact);
 
 /// Friction and cohesion of the pressing groups, tension of those that open. Cohesion counts in full where the
 /// resultant stands at a degree and more to the plane, in proportion to that angle's sine below. Where three or more

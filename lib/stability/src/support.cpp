@@ -16,6 +16,7 @@
 #include "contacts.hpp"
 #include "domain_held.hpp"
 #include "free_faces.hpp"
+#include "strengths_over.hpp"
 #include "supported_body.hpp"
 #include "truncated_blocks.hpp"
 
@@ -486,12 +487,7 @@ SupportResult check_support(const topology::AuditedComplex& complex, const Setti
   const bool reduces = settings.force_transfer && settings.transfer.strengths == TransferReadings::Strengths::target &&
                        plan.target_sliding > 1;
   if (!reduces) return Check{complex.complex(), settings, analysis, analysis, plan}.run();
-  const PartialFactors& own = settings.partial;
-  Settings reduced = settings;
-  reduced.partial =
-      PartialFactors::make(own.friction() * plan.target_sliding, own.cohesion() * plan.target_sliding, own.weight())
-          .value();
-  const Analysis pushing = analyse(complex, reduced);
+  const Analysis pushing = analyse(complex, with_strengths_over(settings, plan.target_sliding));
   SupportResult result = Check{complex.complex(), settings, analysis, pushing, plan}.run();
   result.undecided.insert(result.undecided.end(), pushing.undecided.begin(), pushing.undecided.end());
   return result;

@@ -65,15 +65,9 @@ void keep_cohesion_of(const Verdict& bare, const Resultant& resultant, bool para
   if (!moves(bare.mode)) return;
   const double load = norm(resultant.newtons());
   for (std::uint32_t group = 0; group < contacts.groups.size(); ++group) {
-    double counts = 0;
-    for (const auto& [presses, reaction] : bare.resistance.pressing) {
-      if (presses == group && load > 0) counts = cohesion_share(reaction / load);
-    }
-    if (parallel_contact) {
-      const double opens = dot(contacts.cone.groups()[group].unit(), bare.direction);
-      counts = std::max(counts, 1 - cohesion_share(opens));
-    }
-    contacts.groups[group].cohesion *= counts;
+    const double opens = dot(contacts.cone.groups()[group].unit(), bare.direction);
+    contacts.groups[group].cohesion *=
+        cohesion_shares(bare.resistance.pressing, group, load, opens, parallel_contact).counted;
   }
 }
 

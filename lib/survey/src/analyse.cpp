@@ -289,32 +289,8 @@ class Analysis final {
         }
         if (sum > 0) doubtful += 1 - best / sum;
       }
-      note_doubtful(window.name, doubtful, sets.size());
+      if (auto note = detail::doubtful_note(window, doubtful, sets.size())) out_.notes.push_back(*std::move(note));
     }
-  }
-
-  void note_doubtful(const std::string& window, double doubtful, std::size_t traces) {
-    constexpr double few = 0.05;
-    if (doubtful <= few * static_cast<double>(traces)) return;
-    out_.notes.push_back(
-        fmt::format("window {}: sets leave traces of like directions: each trace is of the likeliest set, and about "
-                    "{:.2g} of {} are of another; intervals of P21, P32 and sizes do not have that in them",
-                    window, doubtful, traces));
-  }
-
-  /// Of the traces on a window that belong to no set, where there are sets.
-  [[nodiscard]] std::optional<std::string> no_set_note(std::size_t w) const {
-    if (out_.sets.empty()) return std::nullopt;
-    double length = 0;
-    std::size_t traces = 0;
-    for (std::size_t i = 0; i < seen_[w].size(); ++i) {
-      if (trace_set_[w][i]) continue;
-      ++traces;
-      length += seen_[w][i].length;
-    }
-    if (traces == 0) return std::nullopt;
-    return fmt::format("window {}: {} of {} traces belong to no set; their P21, {:.3g} 1/m, is in no P32",
-                       in_.windows[w].name, traces, seen_[w].size(), length / area_of(in_.windows[w].window));
   }
 
   /// Joints on lines to sets: by their orientation, else by the set that is stated of them, else by what there is.
@@ -400,25 +376,10 @@ class Analysis final {
       }
     }
     std::ranges::stable_sort(set.spacings, {}, &Fit::aic);
-    if (!set.spacings.empty()) note_short_lines(set, known);
-  }
-
-  /// Long gaps fit on short lines less often than short ones.
-  void note_short_lines(SetResult& set, std::size_t joints) const {
-    std::vector<double> lengths;
-    double all = 0;
-    for (const LineSurvey& line : in_.lines) {
-      lengths.push_back(line.length());
-      all += line.length();
+    if (set.spacings.empty()) return;
+    if (auto note = detail::short_lines_note(in_.lines, known, set.spacings.front().moment(1))) {
+      set.notes.push_back(*std::move(note));
     }
-    constexpr double little = 0.95;
-    const double share = mean_gap_share(static_cast<double>(joints) / all, lengths);
-    if (share > little) return;
-    set.notes.push_back(
-        fmt::format("spacings: the lines are short for them: only gaps that fit on a line are seen, on average {:.2f} "
-                    "of the whole ones (if joints lie by chance), and the laws are those of these; a mean of {:.3g} m, "
-                    "not of {:.3g} m, goes with P10",
-                    share, set.spacings.front().moment(1) / share, set.spacings.front().moment(1)));
   }
 
   /// From the strike to the set's traces in the joints' plane, degrees counter-clockwise seen from above.
@@ -581,34 +542,20 @@ class Analysis final {
   void whole() {
     for (std::size_t l = 0; l < in_.lines.size(); ++l) {
       out_.lines.push_back(detail::result_of(in_.lines[l], in_.confidence));
-      if (auto note = unoriented_note(l)) out_.notes.push_back(*std::move(note));
+      if (out_.sets.empty()) continue;
+      if (auto note = detail::unoriented_note(in_.lines[l], line_sets_[l], shared_)) {
+        out_.notes.push_back(*std::move(note));
+      }
     }
     for (std::size_t w = 0; w < in_.windows.size(); ++w) {
       out_.windows.push_back(detail::result_of(in_.windows[w], seen_[w], in_.confidence));
-      for (auto note : {detail::outside_note(in_.windows[w], seen_[w].size()), no_set_note(w),
-                        detail::border_note(in_.windows[w])}) {
+      std::optional<std::string> of_no_set;
+      if (!out_.sets.empty()) of_no_set = detail::no_set_note(in_.windows[w], seen_[w], trace_set_[w]);
+      for (auto note :
+           {detail::outside_note(in_.windows[w], seen_[w].size()), of_no_set, detail::border_note(in_.windows[w])}) {
         if (note) out_.notes.push_back(*std::move(note));
       }
     }
-  }
-
-  /// Of a line in a survey with orientations that lacks some.
-  [[nodiscard]] std::optional<std::string> unoriented_note(std::size_t l) const {
-    const LineSurvey& line = in_.lines[l];
-    std::size_t without = 0, of_a_set = 0;
-    for (std::size_t i = 0; i < line.positions.size(); ++i) {
-      if (i < line.joints.size() && line.joints[i]) continue;
-      ++without;
-      of_a_set += line_sets_[l][i] ? 1U : 0U;
-    }
-    if (without == 0 || out_.sets.empty()) return std::nullopt;
-    std::string note = fmt::format("line {}: {} of {} joints have no orientation: they count for its frequency and RQD",
-                                   line.name, without, line.positions.size());
-    if (of_a_set > 0) note += fmt::format("; {} of them for the set that is stated or the only one", of_a_set);
-    if (of_a_set == without) return note;
-    const bool shared = std::ranges::any_of(shared_.shared, [](double share) { return share > 0; });
-    return note + (shared ? fmt::format("; {} are shared out among the sets", without - of_a_set)
-                          : fmt::format("; {} of them for no set: none of known set was met", without - of_a_set));
   }
 
   const SurveyInput& in_;

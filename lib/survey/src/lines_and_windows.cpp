@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <vector>
 
 #include "cleave/survey/comparison.hpp"
 #include "line.hpp"
@@ -57,6 +58,23 @@ std::optional<std::string> border_note(const WindowSurvey& window) {
       "seen, though the border has cut them off, it seems: P21 from crossings is too small; border = {:.1g} takes "
       "them so",
       window.name, cut.ends, cut.within.si(), cut.by_chance, border);
+}
+
+std::optional<std::string> short_lines_note(std::span<const LineSurvey> lines, std::size_t joints, double mean) {
+  std::vector<double> lengths;
+  double all = 0;
+  for (const LineSurvey& line : lines) {
+    lengths.push_back(line.length());
+    all += line.length();
+  }
+  constexpr double little = 0.95;
+  const double share = mean_gap_share(static_cast<double>(joints) / all, lengths);
+  if (share > little) return std::nullopt;
+  return fmt::format(
+      "spacings: the lines are short for them: only gaps that fit on a line are seen, on average {:.2f} of the whole "
+      "ones (if joints lie by chance), and the laws are those of these; a mean of {:.3g} m, not of {:.3g} m, goes with "
+      "P10",
+      share, mean / share, mean);
 }
 
 std::optional<std::string> outside_note(const WindowSurvey& window, std::size_t seen) {

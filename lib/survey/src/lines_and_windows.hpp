@@ -12,6 +12,10 @@ namespace cleave::survey::detail {
 /// Frequency and RQD.
 [[nodiscard]] LineResult result_of(const LineSurvey& line, double confidence);
 
+/// Long gaps fit on short lines less often than short ones. `mean`: of the gaps seen of a set of so many joints, m.
+[[nodiscard]] std::optional<std::string> short_lines_note(std::span<const LineSurvey> lines, std::size_t joints,
+                                                          double mean);
+
 /// Counts, intensities, lengths and nodes of the traces seen.
 [[nodiscard]] WindowResult result_of(const WindowSurvey& window, std::span<const SeenTrace> seen, double confidence);
 

@@ -68,6 +68,29 @@ double TracesOfSet::density(MapPoint direction) {
   return known = sum / steps * of_law / sine_;
 }
 
+std::optional<std::string> doubtful_note(const WindowSurvey& window, double doubtful, std::size_t traces) {
+  constexpr double few = 0.05;
+  if (doubtful <= few * static_cast<double>(traces)) return std::nullopt;
+  return fmt::format(
+      "window {}: sets leave traces of like directions: each trace is of the likeliest set, and about {:.2g} of {} are "
+      "of another; intervals of P21, P32 and sizes do not have that in them",
+      window.name, doubtful, traces);
+}
+
+std::optional<std::string> no_set_note(const WindowSurvey& window, std::span<const SeenTrace> seen,
+                                       std::span<const std::optional<std::size_t>> sets) {
+  double length = 0;
+  std::size_t traces = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (sets[i]) continue;
+    ++traces;
+    length += seen[i].length;
+  }
+  if (traces == 0) return std::nullopt;
+  return fmt::format("window {}: {} of {} traces belong to no set; their P21, {:.3g} 1/m, is in no P32", window.name,
+                     traces, seen.size(), length / area_of(window.window));
+}
+
 namespace {
 
 /// Of the mean trace of a face: both dip directions (degrees), how they turn with its angle, sin V.

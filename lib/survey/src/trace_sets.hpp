@@ -31,6 +31,12 @@ class TracesOfSet {
   std::vector<double> known_;  ///< by the direction, in quarters of a degree; negative where not worked out yet
 };
 
+/// Of so many traces to which sets were given, those that are of another than the likeliest set, where they are many.
+[[nodiscard]] std::optional<std::string> doubtful_note(const WindowSurvey& window, double doubtful, std::size_t traces);
+/// Of the traces seen on a window those that belong to no set; `sets`: of each the set, where it has one.
+[[nodiscard]] std::optional<std::string> no_set_note(const WindowSurvey& window, std::span<const SeenTrace> seen,
+                                                     std::span<const std::optional<std::size_t>> sets);
+
 /// Traces on faces that all lie alike.
 struct TracesOfFace {
   std::string window;                ///< name of the first of them

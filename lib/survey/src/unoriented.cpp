@@ -1,5 +1,7 @@
 #include "unoriented.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -51,6 +53,23 @@ SharedOut share_out(const std::vector<SetsOnLine>& lines, const std::vector<std:
     if (change < 1e-9 * static_cast<double>(out.unknown)) break;
   }
   return out;
+}
+
+std::optional<std::string> unoriented_note(const LineSurvey& line, const SetsOnLine& sets, const SharedOut& shared) {
+  std::size_t without = 0, of_a_set = 0;
+  for (std::size_t i = 0; i < line.positions.size(); ++i) {
+    if (i < line.joints.size() && line.joints[i]) continue;
+    ++without;
+    of_a_set += sets[i] ? 1U : 0U;
+  }
+  if (without == 0) return std::nullopt;
+  std::string note = fmt::format("line {}: {} of {} joints have no orientation: they count for its frequency and RQD",
+                                 line.name, without, line.positions.size());
+  if (of_a_set > 0) note += fmt::format("; {} of them for the set that is stated or the only one", of_a_set);
+  if (of_a_set == without) return note;
+  const bool any = std::ranges::any_of(shared.shared, [](double share) { return share > 0; });
+  return note + (any ? fmt::format("; {} are shared out among the sets", without - of_a_set)
+                     : fmt::format("; {} of them for no set: none of known set was met", without - of_a_set));
 }
 
 Estimate counted(double joints, double effective, double confidence) {

@@ -2,9 +2,10 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "cleave/survey/traces.hpp"
+#include "cleave/survey/analyse.hpp"
 
 /// Joints that lines met without an orientation: they count all the same.
 namespace cleave::survey::detail {
@@ -27,6 +28,10 @@ struct SharedOut {
 /// Shares the joints of unknown set out among the sets as these are met by each line: the most likely intensities where
 /// the orientation is missing by chance. `length`: of each set and of no set, the length of each line times E|n.l|.
 [[nodiscard]] SharedOut share_out(const std::vector<SetsOnLine>& lines, const std::vector<std::vector<double>>& length);
+
+/// Of a line whose joints lack orientations in a survey that has sets.
+[[nodiscard]] std::optional<std::string> unoriented_note(const LineSurvey& line, const SetsOnLine& sets,
+                                                         const SharedOut& shared);
 
 /// So many joints, with the exact Poisson interval of `effective` joints scaled to it.
 [[nodiscard]] Estimate counted(double joints, double effective, double confidence);
