@@ -210,6 +210,65 @@ TEST(SupportTest, BoltOnAPlane) {
   EXPECT_NEAR(block.required_force, (t - r) * std::cos(radians(30)), 1);
 }
 
+// The least single force stands at atan(tan(phi)/F) to the plane: (F T - R) cos of it, whatever the target.
+TEST(SupportTest, LeastForceOnAPlane) {
+  const Slope slope = Slope::make(40, 10, 2, {});
+  for (const double phi : {5.0, 30.0, 39.0}) {
+    const Settings with = weighing(200e3, 40, phi);
+    const Analysis a = analyse(slope.complex, with);
+    for (const double target : {1.0, 1.4, 2.0, 4.0}) {
+      const SupportedBlock block = check_support(slope.complex, with, a, plan_with({}, target)).blocks.at(0);
+      const double tangent = std::tan(radians(phi)), angle = std::atan(tangent / target);
+      const double t = 200e3 * std::sin(radians(40)), r = 200e3 * std::cos(radians(40)) * tangent;
+      EXPECT_NEAR(block.required_force, (target * t - r) * std::cos(angle), 1e-3) << phi << ' ' << target;
+      EXPECT_NEAR(norm(block.required_direction + std::cos(angle) * slope.d + std::sin(angle) * slope.n), 0, 1e-9);
+    }
+  }
+}
+
+// A roof ridge upside down on two planes that dip 50 degrees to both sides of a line that plunges 35: what a force adds
+// to each reaction is found from the three components of the balance.
+TEST(SupportTest, LeastForceOnAWedge) {
+  const double plunge = radians(35);
+  const Vec3 s{std::cos(plunge), 0, -std::sin(plunge)}, up{std::sin(plunge), 0, std::cos(plunge)}, across{0, 1, 0};
+  for (const auto& [first, second] : {std::pair{50.0, 50.0}, {35.0, 60.0}}) {
+    const double a1 = radians(first), a2 = radians(second);
+    // The block lies in the V: its planes look up and inwards.
+    const Vec3 n1 = std::cos(a1) * up + std::sin(a1) * across, n2 = std::cos(a2) * up - std::sin(a2) * across;
+    topology::CutInput input{.domain = geometry::make_box({-20, -20, -20}, {0, 20, 0}).value(),
+                             .joints = {},
+                             .excavations = {},
+                             .free_domain_tags = {1, 5}};
+    for (const Vec3 n : {n1, n2}) input.joints.emplace_back(topology::PersistentJoint{{0, 0, -3}, n});
+    const auto complex = audited(input);
+    const Settings with = statics::settings({strength(20)});
+    const Analysis analysis = analyse(complex, with);
+    for (const double target : {1.2, 2.0, 4.0}) {
+      const SupportResult result = check_support(complex, with, analysis, plan_with({}, target));
+      std::size_t wedges = 0;
+      for (const SupportedBlock& block : result.blocks) {
+        if (block.mode != Mode::wedge) continue;
+        ++wedges;
+        const double weight = complex.complex().blocks()[block.block].volume.si();
+        // Reactions in the plane across s, of a load that pushes `down` against `up` and `side` across.
+        const double d = std::sin(a1 + a2), t = std::tan(radians(20));
+        const auto reactions = [&](double down, double side) {
+          return std::array{(down * std::sin(a2) - side * std::cos(a2)) / d,
+                            (down * std::sin(a1) + side * std::cos(a1)) / d};
+        };
+        const auto own = reactions(weight * std::cos(plunge), 0);
+        const auto by_down = reactions(1, 0), by_side = reactions(0, 1);
+        const Vec3 best{1, t / target * (by_down[0] + by_down[1]), t / target * (by_side[0] + by_side[1])};
+        const double lack = target * weight * std::sin(plunge) - t * (own[0] + own[1]);
+        EXPECT_NEAR(block.required_force / (lack / norm(best)), 1, 1e-9) << first << ' ' << target;
+        const Vec3 along = (-best.x * s - best.y * up + best.z * across) / norm(best);
+        EXPECT_NEAR(norm(block.required_direction - along), 0, 1e-9);
+      }
+      EXPECT_EQ(wedges, 1U);
+    }
+  }
+}
+
 // The same slab and bolt as `BoltOnAPlane` (55 degrees between bolt and movement), other kinds and laws.
 TEST(SupportTest, KindsAndAnglesOfBoltsOnAPlane) {
   const Slope slope = Slope::make(40, 10, 2, {});

@@ -153,9 +153,9 @@ class Check final {
       }
       entry.small = entry.free_area < plan_->spot_area;
       if (norm(push) > 1e-9 * entry.free_area.si()) entry.free_outward = -push / norm(push);
-      entry.required_direction = best_direction(*body);
-      const double most = 1.05 * body->target * body->bare.driving;
-      entry.required_force = least_multiple(*body, most * entry.required_direction, most);
+      const SingleForce least = best_force(*body, *settings_);
+      entry.required_direction = least.direction;
+      entry.required_force = least.force;
       entry.required_pressure = pressure_needed(*body, push);
       entry.own_pressure = entry.required_pressure;
       if (const ForceSum& received = received_by_[id]; received.force != Vec3{}) {
@@ -442,7 +442,7 @@ class Check final {
     Body helped = *body;
     helped.resultant.add(help.force / body->target, norm(help.force) / body->target);
     const double most = 2 * body->target * (body->bare.driving + norm(help.force));
-    entry.missing_force = least_multiple(helped, most * best_direction(*body), most);
+    entry.missing_force = least_multiple(helped, most * best_force(*body, *settings_).direction, most);
   }
 
   /// Step 2: blocks gripped by one bolt are one body.

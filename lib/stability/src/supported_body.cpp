@@ -59,6 +59,23 @@ double valley(double low, double high, Function&& of) {
   return at_a <= at_b ? a : b;
 }
 
+/// Friction that each newton of a force makes in the planes which press, as a vector: 0 where fewer than one or more
+/// than two do.
+Vec3 pressed_by(const Body& body) {
+  const Verdict& v = body.bare;
+  const auto& pressing = v.resistance.pressing;
+  const auto normal = [&](std::size_t k) { return body.contacts.cone.groups()[pressing[k].first].unit(); };
+  const auto tan = [&](std::size_t k) { return body.contacts.groups[pressing[k].first].tan_at(pressing[k].second); };
+  if (v.mode != Mode::sliding && v.mode != Mode::wedge) return {};
+  if (pressing.size() == 1) return tan(0) * normal(0);
+  if (pressing.size() != 2) return {};
+  // What turns a force into the reactions of the two: the vectors dual to their normals.
+  const Vec3 first = cross(normal(1), v.direction), second = cross(normal(0), v.direction);
+  const double a = dot(normal(0), first), b = dot(normal(1), second);
+  if (!(a != 0) || !(b != 0)) return {};
+  return tan(0) / a * first + tan(1) / b * second;
+}
+
 }  // namespace
 
 void keep_cohesion_of(const Verdict& bare, const Resultant& resultant, bool parallel_contact, Contacts& contacts) {
@@ -157,12 +174,17 @@ double fixed_mode_factor(const Body& body, Vec3 bolts, bool active) {
   return v.driving > along ? resistance / (v.driving - along) : infinite;
 }
 
-Vec3 best_direction(const Body& body) {
-  const Verdict& v = body.bare;
-  if (v.mode != Mode::sliding || v.resistance.pressing.size() != 1) return -v.direction;
-  const auto [group, reaction] = v.resistance.pressing[0];
-  const double b = std::atan(body.contacts.groups[group].tan_at(reaction));
-  return geometry::normalized(-std::cos(b) * v.direction - std::sin(b) * body.contacts.cone.groups()[group].unit());
+SingleForce best_force(const Body& body, const Settings& settings) {
+  const double most = 1.05 * body.target * body.bare.driving;
+  const auto along = [&](Vec3 direction) {
+    const auto least = least_share(body, {.force = most * direction}, settings);
+    return SingleForce{direction, least ? most * least->share : infinite};
+  };
+  const SingleForce straight = along(-body.bare.direction);
+  const Vec3 pressed = pressed_by(body);
+  if (pressed == Vec3{}) return straight;
+  const SingleForce aside = along(geometry::normalized(-body.bare.direction - pressed / body.target));
+  return aside.force < straight.force ? aside : straight;
 }
 
 }  // namespace cleave::stability

@@ -51,7 +51,14 @@ struct Share {
 /// Factor of safety in the mode without bolts (Fu 2014, 4.8 to 4.10) under the sum of the bolts' forces.
 [[nodiscard]] double fixed_mode_factor(const Body& body, geometry::Vec3 bolts, bool active);
 
-/// Direction of the best single force: at the friction angle to a plane, else straight against the motion.
-[[nodiscard]] geometry::Vec3 best_direction(const Body& body);
+/// A force at one point of no matter: its direction (unit) and what of it brings the body to its target, N; infinite
+/// where none does.
+struct SingleForce {
+  geometry::Vec3 direction = {};
+  double force = 0;
+};
+/// The smaller of two: that along which the lack of hold falls fastest in the mode without support, at
+/// atan(tan(friction)/target) to the planes that press, and that straight against the motion.
+[[nodiscard]] SingleForce best_force(const Body& body, const Settings& settings);
 
 }  // namespace cleave::stability
