@@ -17,6 +17,7 @@
 #include "hand_made.hpp"
 #include "html.hpp"
 #include "html_table.hpp"
+#include "key_groups.hpp"
 #include "motion.hpp"
 #include "view3d.hpp"
 
@@ -147,6 +148,15 @@ TEST(HtmlStability, BlocksOfAGroupPointToIt) {
   EXPECT_TRUE(block().contains("not_held"));
   t.result.group_support->left.groups[0].verdict = assembly::Verdict::in_doubt;
   EXPECT_EQ(cell("group_supported"), "in_doubt");
+  const stability::KeyGroup& below = t.result.group_support->below.groups[0];
+  EXPECT_EQ(t.result.group_support->net_left_of(below), std::nullopt);
+  std::vector<stability::KeyGroup>& left = t.result.group_support->left.groups;
+  left[0].verdict = assembly::Verdict::unsafe;
+  left[0].net = newtons(1.5e3);
+  left.push_back({.batch = 1, .blocks = {topology::BlockId{9U}}, .net = newtons(2.5e3)});
+  left.push_back({.batch = 1, .blocks = {topology::BlockId{8U}}, .net = newtons(7e3)});
+  EXPECT_TRUE(supported_groups_csv(t.result).contains(",,4000,")) << supported_groups_csv(t.result);
+  EXPECT_TRUE(section(report_html(t.page), "support").contains("Out of balance"));
   t.result.group_support.reset();
   EXPECT_EQ(cell("group_supported"), "");
   EXPECT_EQ(cell("factor_of_safety_supported"), "0.849");

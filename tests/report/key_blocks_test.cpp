@@ -96,9 +96,9 @@ TEST(KeyGroupsCsv, LoadCasesAndStagesFollowTheBaseCase) {
   stage.groups->groups[0].weaker = true;
   result.let_go = {scene::LetGo::moved};
   const std::string csv = key_groups_csv(result);
-  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,3,0,,,0,0,0,0,,,moved,,,,,,,,,,,undecided\n")) << csv;
-  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,4,0,,,0,0,0,0,quake,,,,,,,,,,,,,undecided\n")) << csv;
-  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,5,0,,,0,0,0,0,,2,,,,,,,,,,,,weaker\n")) << csv;
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,3,0,,,0,0,0,0,,,moved,,,,,,,,,,,undecided,\n")) << csv;
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,4,0,,,0,0,0,0,quake,,,,,,,,,,,,,undecided,\n")) << csv;
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,5,0,,,0,0,0,0,,2,,,,,,,,,,,,weaker,\n")) << csv;
   EXPECT_LT(csv.find(",3,0"), csv.find(",4,0"));
   EXPECT_LT(csv.find(",4,0"), csv.find(",5,0"));
   // With moments, of what translation alone moves: the lesser of both is the group's.
@@ -108,7 +108,7 @@ TEST(KeyGroupsCsv, LoadCasesAndStagesFollowTheBaseCase) {
                                   .factor_up = 2,
                                   .factor_move = 0.94,
                                   .factor_turning = 0.89};
-  EXPECT_TRUE(key_groups_csv(result).contains("\n1,1,unsafe,3,0,2,0.94,0,0,0,0,,,moved,,,,,,,,,0.89,,\n"));
+  EXPECT_TRUE(key_groups_csv(result).contains("\n1,1,unsafe,3,0,2,0.94,0,0,0,0,,,moved,,,,,,,,,0.89,,,\n"));
   EXPECT_TRUE(key_groups_section(result).contains(">With moments</th>"));
   EXPECT_FALSE(key_groups_section(result).contains("Its largest block"));
   // The largest block of several may start at more.
@@ -117,7 +117,7 @@ TEST(KeyGroupsCsv, LoadCasesAndStagesFollowTheBaseCase) {
   several.volume = cubic_metres(7);
   several.factor_of_largest = 0.915;
   result.key_groups->groups.push_back(several);
-  EXPECT_TRUE(key_groups_csv(result).contains(",0.89,0.915,\n"));
+  EXPECT_TRUE(key_groups_csv(result).contains(",0.89,0.915,,\n"));
   EXPECT_TRUE(key_groups_section(result).contains(">Its largest block</th>"));
   EXPECT_TRUE(key_groups_section(result).contains(">0.915</td>"));
   EXPECT_EQ(scene::count_key_groups(*result.key_groups).factor_of_largest, 0.915);
@@ -286,8 +286,8 @@ TEST(KeyGroupsCsv, SaysWhereAGroupIs) {
                                       of({topology::BlockId{2U}})}};
   const auto complex = std::move(made).complex();
   const std::string csv = key_groups_csv(result, &complex);
-  EXPECT_TRUE(csv.contains(",10,20,30,roof,15,12:00,1.25,A;B,,,undecided\n")) << csv;
-  EXPECT_TRUE(csv.contains(",10,20,30,,,,0,A,,,undecided\n")) << csv;
+  EXPECT_TRUE(csv.contains(",10,20,30,roof,15,12:00,1.25,A;B,,,undecided,\n")) << csv;
+  EXPECT_TRUE(csv.contains(",10,20,30,,,,0,A,,,undecided,\n")) << csv;
   const std::string table = key_groups_section(result, &complex);
   EXPECT_TRUE(table.contains("roof, 12:00, chainage 15 m")) << table;
 }

@@ -175,6 +175,19 @@ TEST(GroupSupportTest, OneBlockIsHeldAsTheCheckOfBlocksSays) {
     plan.bolts = {other};
     EXPECT_EQ(both(plan), share > 1);
   }
+  // What is left out of balance: its weight less what the bolt holds over the target.
+  for (const double share : {0.0, 0.25, 0.9}) {
+    bolt.type.tendon = newtons(std::max(share, 1e-9) * 1.5 * weight);
+    plan.bolts = {bolt};
+    const GroupSupport found = checked(complex, settings, plan);
+    ASSERT_EQ(found.below.groups.size(), 1U);
+    EXPECT_NEAR(found.below.groups[0].net.value().si(), weight, 1e-6 * weight);
+    EXPECT_NEAR(found.net_left_of(found.below.groups[0]).value().si(), (1 - share) * weight, 1e-6 * weight);
+  }
+  bolt.type.tendon = newtons(3 * weight);
+  plan.bolts = {bolt};
+  const GroupSupport held = checked(complex, settings, plan);
+  EXPECT_EQ(held.net_left_of(held.below.groups.at(0)), std::nullopt);
   // Too short behind the joint.
   bolt.type.tendon = newtons(1e9);
   bolt.length = metres(1.7);

@@ -160,7 +160,7 @@ std::string support_section(const Page& page) {
            display_count(f.groups->in_doubt) + " in doubt.";
   }
   out += "</p>\n" + pressure_table(f.pressures) + blocks_table(*page.result.support) +
-         combined_table(*page.result.support) + supported_groups_table(page.result);
+         combined_table(*page.result.support) + supported_groups_table(page.result, page.complex);
   if (!page.figures().support_cases.empty()) {
     out += "<h3>Under the load cases</h3>" +
            html_table({{"name", "Case"},

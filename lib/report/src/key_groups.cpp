@@ -17,11 +17,11 @@ namespace {
 constexpr std::size_t most_rows = 100;
 
 /// "roof, 12:00, chainage 10.3 m"; empty where it is not known.
-std::string where_of(const KeyGroupRow& row) {
-  if (!row.place) return {};
-  std::string out{row.place->location};
-  if (row.place->clock) out += ", " + clock_text(*row.place->clock);
-  if (row.place->chainage) out += ", chainage " + display(row.place->chainage->si(), 4) + " m";
+std::string where_of(const std::optional<scene::GroupPlace>& place) {
+  if (!place) return {};
+  std::string out{place->location};
+  if (place->clock) out += ", " + clock_text(*place->clock);
+  if (place->chainage) out += ", chainage " + display(place->chainage->si(), 4) + " m";
   return out;
 }
 
@@ -47,7 +47,7 @@ void fields(V& v, const ShownGroup& x) {
   v("factor_of_largest", factor(g.factor_of_largest), "at which the largest of several blocks starts to move");
   v("factor_up", factor(g.factor_up), "above it motion is certain");
   v("moments", g.moments, "blocks turn: translation alone does not move them");
-  v("location", where_of(x.row));
+  v("location", where_of(x.row.place));
   v("load_case", x.row.load_case);
   v("stage", x.row.stage);
   std::string let_go{x.row.let_go ? scene::name_of(*x.row.let_go) : std::string_view{}};
@@ -78,12 +78,15 @@ std::vector<KeyGroupRow> rows_of(const scene::RunResult& result, const topology:
 }
 
 /// Of the base case, then of the load cases.
-std::vector<SupportedGroupRow> supported_rows_of(const scene::RunResult& result) {
+std::vector<SupportedGroupRow> supported_rows_of(const scene::RunResult& result,
+                                                 const topology::BlockComplex* complex) {
   std::vector<SupportedGroupRow> rows;
   const auto add = [&](const std::optional<stability::GroupSupport>& groups, std::string_view load_case) {
     if (!groups) return;
     for (std::size_t number = 0; const stability::KeyGroup& group : groups->below.groups) {
-      rows.push_back({group, ++number, groups->left_of(group), load_case});
+      SupportedGroupRow& row =
+          rows.emplace_back(group, ++number, groups->left_of(group), load_case, groups->net_left_of(group));
+      if (complex != nullptr) row.place = scene::place_of(result, *complex, group.blocks);
     }
   };
   add(result.group_support, {});
@@ -104,17 +107,22 @@ bool judged_with_support(const scene::RunResult& result) {
          });
 }
 
-std::string supported_groups_csv(const scene::RunResult& result) {
+std::string supported_groups_csv(const scene::RunResult& result, const topology::BlockComplex* complex) {
   const stability::KeyGroup none{};
-  return csv_table(SupportedGroupRow{none}, supported_rows_of(result));
+  return csv_table(SupportedGroupRow{none}, supported_rows_of(result, complex));
 }
 
-std::string supported_groups_table(const scene::RunResult& result) {
-  const std::vector<SupportedGroupRow> rows = supported_rows_of(result);
+std::string supported_groups_table(const scene::RunResult& result, const topology::BlockComplex* complex) {
+  const std::vector<SupportedGroupRow> rows = supported_rows_of(result, complex);
   if (rows.empty()) return {};
-  std::vector<Shown> columns{
-      {"group"},           {"without", "Without support"}, {"with", "With support"}, {"blocks"}, {"volume_m3"},
-      {"moments", "Turns"}};
+  std::vector<Shown> columns{{"group"},
+                             {"without", "Without support"},
+                             {"with", "With support"},
+                             {"blocks"},
+                             {"volume_m3"},
+                             {"moments", "Turns"},
+                             {"net_force_n", "Out of balance (kN)"},
+                             {"location"}};
   if (std::ranges::any_of(rows, [](const SupportedGroupRow& row) { return !row.load_case.empty(); })) {
     columns.push_back({"load_case", "Load case"});
   }
@@ -123,7 +131,7 @@ std::string supported_groups_table(const scene::RunResult& result) {
   for (const SupportedGroupRow& row : rows | std::views::take(most_rows)) table.add(row);
   return "<h3>Blocks that move together</h3>" + std::move(table).html() +
          "<p class=\"small\">Groups below their target of safety without support. In doubt: not decided, or within 5 % "
-         "of the target." +
+         "of the target. Out of balance: mass times acceleration with the support, at the target." +
          (rows.size() > most_rows ? " All are in supported_groups.csv." : "") + "</p>\n";
 }
 

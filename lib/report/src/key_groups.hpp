@@ -17,10 +17,12 @@ namespace cleave::report {
 
 /// supported_groups.csv: groups below their target and what the support leaves of them, of the base case, then of the
 /// load cases.
-[[nodiscard]] std::string supported_groups_csv(const scene::RunResult& result);
+[[nodiscard]] std::string supported_groups_csv(const scene::RunResult& result,
+                                               const topology::BlockComplex* complex = nullptr);
 
 /// The same as a table of the report; empty without any.
-[[nodiscard]] std::string supported_groups_table(const scene::RunResult& result);
+[[nodiscard]] std::string supported_groups_table(const scene::RunResult& result,
+                                                 const topology::BlockComplex* complex = nullptr);
 
 /// key_groups.csv as a table of the report; empty without groups.
 [[nodiscard]] std::string key_groups_section(const scene::RunResult& result,

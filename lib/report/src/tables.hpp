@@ -327,6 +327,21 @@ void motion_fields(V& v, const stability::KeyGroup& g) {
   v("moments", g.moments, "1 when blocks turn: translation alone does not move them");
 }
 
+template <class V>
+void centroid_fields(V& v, const std::optional<scene::GroupPlace>& place, std::string_view meaning) {
+  v("x_m", place ? std::optional{place->centroid.x} : std::nullopt, meaning);
+  v("y_m", place ? std::optional{place->centroid.y} : std::nullopt);
+  v("z_m", place ? std::optional{place->centroid.z} : std::nullopt);
+}
+template <class V>
+void spot_fields(V& v, const std::optional<scene::GroupPlace>& place) {
+  v("location", place ? place->location : std::string_view{},
+    "of its block with most free area, as in key_blocks.csv; so are chainage and clock; empty: no block has a free "
+    "face");
+  v("chainage_m", place ? place->chainage : std::nullopt);
+  v("clock", place && place->clock ? std::optional{clock_text(*place->clock)} : std::nullopt);
+}
+
 /// Why a group is in doubt; empty for others.
 [[nodiscard]] constexpr std::string_view doubt_of(const stability::KeyGroup& group) noexcept {
   if (group.verdict != assembly::Verdict::in_doubt) return {};
@@ -359,16 +374,9 @@ void fields(V& v, const KeyGroupRow& x) {
     "of a group in doubt in the base case: what rigid blocks in motion do that start from rest, in 0.2 s: "
     "`stayed`, `moved`, `stopped` (the contact law could not be solved) or `not_tried`");
   const auto of = [&](auto member) { return x.place ? std::optional{std::invoke(member, *x.place)} : std::nullopt; };
-  const std::optional<geometry::Vec3> centroid = of(&scene::GroupPlace::centroid);
-  v("x_m", centroid ? std::optional{centroid->x} : std::nullopt,
-    "centroid of the group, as the columns that follow empty for groups of stages before the last");
-  v("y_m", centroid ? std::optional{centroid->y} : std::nullopt);
-  v("z_m", centroid ? std::optional{centroid->z} : std::nullopt);
-  v("location", x.place ? x.place->location : std::string_view{},
-    "of its block with most free area, as in key_blocks.csv; so are chainage and clock; empty: no block has a free "
-    "face");
-  v("chainage_m", x.place ? x.place->chainage : std::nullopt);
-  v("clock", x.place && x.place->clock ? std::optional{clock_text(*x.place->clock)} : std::nullopt);
+  centroid_fields(v, x.place,
+                  "centroid of the group, as the columns that follow empty for groups of stages before the last");
+  spot_fields(v, x.place);
   v("free_area_m2", of(&scene::GroupPlace::free_area), "sum");
   v("sets", x.sets, "joint sets that bound its blocks, joined by `;`");
   v("factor_with_moments", x.g.factors ? x.g.factor_turning : std::nullopt,
@@ -379,6 +387,7 @@ void fields(V& v, const KeyGroupRow& x) {
   v("doubt", doubt_of(x.g),
     "of a group in doubt: `weaker`: at rest, but it would move with 5 % less strength and half of the cohesion, which "
     "breaks bit by bit; `undecided`: the search did not settle");
+  v("net_force_n", x.g.net, "what is out of balance: mass times acceleration, sum over its blocks; empty: in doubt");
 }
 
 /// A group of blocks below its target, and what the support leaves of it.
@@ -387,6 +396,8 @@ struct SupportedGroupRow {
   std::size_t number = 0;
   std::optional<assembly::Verdict> left = {};
   std::string_view load_case = {};  ///< empty: the base case
+  std::optional<Force> net = {};
+  std::optional<scene::GroupPlace> place = {};
 };
 template <class V>
 void fields(V& v, const SupportedGroupRow& x) {
@@ -398,6 +409,11 @@ void fields(V& v, const SupportedGroupRow& x) {
   blocks_fields(v, x.g);
   motion_fields(v, x.g);
   v("load_case", x.load_case, "name of the `[[load]]` it misses its target in; empty: the base case");
+  v("net_force_n", x.net,
+    "what the support leaves out of balance, strengths and support over the target: mass times acceleration of the "
+    "blocks that still move. Further support takes part over the target too; empty: held, or in doubt");
+  centroid_fields(v, x.place, "centroid of the group");
+  spot_fields(v, x.place);
 }
 
 }  // namespace cleave::report

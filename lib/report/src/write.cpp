@@ -95,7 +95,7 @@ std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& res
     CLEAVE_CHECK(write_file(folder / "support_blocks.csv", support_blocks_csv(result)));
     CLEAVE_CHECK(write_file(folder / "combined_blocks.csv", combined_blocks_csv(result)));
     if (judged_with_support(result)) {
-      CLEAVE_CHECK(write_file(folder / "supported_groups.csv", supported_groups_csv(result)));
+      CLEAVE_CHECK(write_file(folder / "supported_groups.csv", supported_groups_csv(result, complex)));
     }
   }
   const bool held = result.domain_held && !result.domain_held->blocks.empty();

@@ -437,12 +437,15 @@ class Search final {
   KeyGroup said(const assembly::Group& group, const std::vector<BlockId>& blocks, std::uint32_t batch, bool moments) {
     KeyGroup out{.batch = batch, .verdict = group.verdict, .moments = moments};
     out.rates = group.motion;
+    const bool moves = group.verdict != Verdict::in_doubt;
+    if (moves) out.net = newtons(0);
     double largest = 0;
     for (std::size_t k = 0; k < group.bodies.size(); ++k) {
       const BlockId id = blocks[group.bodies[k]];
       const topology::Block& block = complex().blocks()[id];
       out.blocks.push_back(id);
       out.volume += block.volume;
+      if (moves) *out.net += out_of_balance(model_.settings(), block, group.motion[k]);
       const Vec3 velocity = group.motion[k].velocity;
       if (block.volume.si() > largest && norm(velocity) > 0) {
         largest = block.volume.si();
@@ -472,6 +475,10 @@ class Search final {
 };
 
 }  // namespace
+
+Force out_of_balance(const Settings& settings, const topology::Block& block, const assembly::Rate& rate) {
+  return newtons(settings.rock.density().si() * block.volume.si() * norm(rate.velocity));
+}
 
 KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& settings, const Together& most,
                         assembly::Ask ask) {

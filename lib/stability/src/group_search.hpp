@@ -8,6 +8,9 @@
 /// The search for groups of blocks that move together, batch by batch (theory: assembly.md).
 namespace cleave::stability {
 
+/// Mass times the acceleration of the centroid.
+[[nodiscard]] Force out_of_balance(const Settings& settings, const topology::Block& block, const assembly::Rate& rate);
+
 /// With `ask` for verdicts alone groups have no factors; so it is in all searches below.
 [[nodiscard]] KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& settings,
                                       const Together& most, assembly::Ask ask);

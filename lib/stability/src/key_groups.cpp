@@ -129,14 +129,28 @@ GroupSupport check_groups(const topology::AuditedComplex& complex, const Setting
   return out;
 }
 
+namespace {
+bool share_a_block(const KeyGroup& a, const KeyGroup& b) {
+  return std::ranges::any_of(a.blocks, [&](BlockId id) { return std::ranges::binary_search(b.blocks, id); });
+}
+}  // namespace
+
 std::optional<assembly::Verdict> GroupSupport::left_of(const KeyGroup& group) const {
   std::optional<assembly::Verdict> worst;
   for (const KeyGroup& other : left.groups) {
-    const bool shared =
-        std::ranges::any_of(group.blocks, [&](BlockId id) { return std::ranges::binary_search(other.blocks, id); });
-    if (shared && (!worst || other.verdict < *worst)) worst = other.verdict;
+    if (share_a_block(group, other) && (!worst || other.verdict < *worst)) worst = other.verdict;
   }
   return worst;
+}
+
+std::optional<Force> GroupSupport::net_left_of(const KeyGroup& group) const {
+  std::optional<Force> sum;
+  for (const KeyGroup& other : left.groups) {
+    if (!share_a_block(group, other)) continue;
+    if (!other.net) return std::nullopt;
+    sum = sum.value_or(newtons(0)) + *other.net;
+  }
+  return sum;
 }
 
 void mark_bolts_of_groups(const GroupSupport& groups, SupportResult& support) {
@@ -208,8 +222,7 @@ void decide_by_groups(const topology::AuditedComplex& complex, const Settings& s
       const geometry::Vec3 velocity = group.rates[k].velocity;
       if (norm(velocity) > 0) it->direction = normalized(velocity);
       // What is out of balance: of a block by itself the same.
-      const Force net = newtons(settings.rock.density().si() * block.volume.si() * norm(velocity));
-      it->net = std::max(it->net, net);
+      it->net = std::max(it->net, out_of_balance(settings, block, group.rates[k]));
       while (analysis.batches.size() < group.batch) {
         analysis.batches.push_back({.number = static_cast<std::uint32_t>(analysis.batches.size() + 1)});
       }

@@ -29,6 +29,8 @@ struct KeyGroup {
   std::vector<assembly::Rate> rates = {};      ///< of `blocks`: m/s2 and 1/s2, about their centroids
   Volume volume = {};
   geometry::Vec3 direction = {};  ///< unit, of the largest block; zero when in doubt
+  /// What is out of balance: mass times acceleration, summed over the blocks. Empty when in doubt.
+  std::optional<Force> net = {};
   double factor_up = 0;           ///< above it motion is certain; infinite when there is no such factor
   double factor_move = 0;         ///< factor of safety of the group
   /// With moments, of what translation alone moves; empty where it was not looked for.
@@ -111,6 +113,8 @@ struct GroupSupport {
   [[nodiscard]] bool too_many() const noexcept { return below.too_many || left.too_many; }
   /// The worst verdict on blocks of `group` with the support; empty: all of them are held.
   [[nodiscard]] std::optional<assembly::Verdict> left_of(const KeyGroup& group) const;
+  /// `net` of the groups left with blocks of `group`, sum. Empty: all are held, or one is in doubt.
+  [[nodiscard]] std::optional<Force> net_left_of(const KeyGroup& group) const;
 };
 
 /// Bolts pull along their axes alone, as plate, bond, anchor and tendon let them between any two pieces of rock that
