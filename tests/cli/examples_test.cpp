@@ -134,9 +134,10 @@ TEST_F(ExamplesTest, TunnelSupportIsCheckedInTwoSteps) {
   const auto& design = support["designs"][0];
   EXPECT_TRUE(log.contains("support      passes: 26 blocks by themselves below their target")) << log;
   EXPECT_TRUE(log.contains(fmt::format(
-      "  bolts of 3 m: {} at 10 x 11.44 m in 8 rings beside 1 spot; fails at 0 of 40 random offsets [0.0, 8.8 %]; "
-      "block {} governs\n",
-      design["bolts"].get<int>(), design["governing_block"].get<int>())))
+      "  bolts of 3 m: {} at 10 x 11.44 m (the widest tried) in 8 rings beside 1 spot; fails at 0 of 40 random offsets "
+      "[0.0, 8.8 %]; "
+      "block {}, {:.3g} m3, has the least margin\n",
+      design["bolts"].get<int>(), design["governing_block"].get<int>(), design["governing_volume_m3"].get<double>())))
       << log;
   // The forces of all blocks over the 80 m of tunnel.
   double required = 0;

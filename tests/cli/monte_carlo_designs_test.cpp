@@ -229,6 +229,27 @@ TEST_F(DesignsTest, SupportDesignsComparedOnTheSameRock) {
   expect_replayed("wide", 3);
 }
 
+// What bolts change is not read off a run that was not asked; load cases of the same name are compared too.
+TEST_F(DesignsTest, RunsWithoutSupportAreNotComparedWithBolts) {
+  const std::string rock = std::string{two_stages} + "[monte_carlo]\nrealizations = 6\n[[load]]\nname = \"quake\"\n" +
+                           "seismic = [0.2, 0, 0]\n";
+  const std::string bolts =
+      "[support]\n[[support.bolts]]\ntunnel = \"left\"\nlength = 3\nspacing = [2, 2]\ntendon = 100e3\n"
+      "bond = 200e3\nplate = 50e3\nanchorage = 0.2\n";
+  run("bare", rock);
+  run("bolted", rock + bolts);
+  const Ended ended = cleave("compare-designs bare bolted -o difference.json");
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_TRUE(ended.out.contains("note: only bolted was asked for support_blocks_needing, ")) << ended.out;
+  EXPECT_TRUE(ended.out.contains("\nunder quake:\n")) << ended.out;
+  const json difference = json::parse(read("difference.json"));
+  EXPECT_FALSE(difference["quantities"].contains("support_fails"));
+  const json& quake = difference["load_cases"]["quake"]["quantities"];
+  EXPECT_FALSE(quake.contains("support_fails"));
+  EXPECT_EQ(quake["key_block_volume_m3"]["difference"], 0);
+  EXPECT_GT(quake["key_block_volume_m3"]["first"], 0);
+}
+
 // Two and three ranks (one hands out work) give the bytes of one process.
 TEST_F(DesignsTest, RanksGiveTheSameBytes) {
   const fs::path program = fs::path{CLEAVE_PROGRAM}.parent_path() / "cleave_mpi";

@@ -169,7 +169,8 @@ TEST_F(MonteCarloTest, WritesRecordsEstimatesAndAReport) {
     EXPECT_TRUE(page.contains(part)) << part;
   }
   // Quantities of summary.json have their rows.
-  for (const char* name : {">key block volume, m³</td>", ">key block count</td>", ">block count</td>"}) {
+  for (const char* name :
+       {">key block volume, m³</td>", ">key block count</td>", ">block count</td>", ">support pressure, Pa</td>"}) {
     EXPECT_TRUE(page.contains(name)) << name;
   }
   EXPECT_EQ(page.find("http://"), std::string::npos);

@@ -163,6 +163,17 @@ TEST(TerminalTest, SupportThatDoesNotPassEverywhere) {
   EXPECT_EQ(line(true, {}, {"quake"}), "support      passes block by block without load, DOES NOT PASS under quake");
   judged = too_many;
   EXPECT_EQ(line(true, {}, {}), "support      passes block by block, GROUPS OF BLOCKS NOT JUDGED");
+  // Crumbs and what others press on are told apart.
+  r.figures.support->small_blocks = 2;
+  r.figures.support->small_not_held = 1;
+  r.figures.support->small_required_force_n = 2.36e5;
+  r.figures.support->passed_on_blocks = 3;
+  r.figures.support->passed_on_required_force_n = 6.8e4;
+  EXPECT_TRUE(
+      holds(figures_of(r),
+            "\n  of these 2 with less free face than `spot_area`: 1 not held, required 236 kN\n"
+            "  of these 3 only for what other blocks pass to them: 0 not held, required 68 kN; hold the others\n"))
+      << figures_of(r);
   // What a load asks for may be more than what the base case does.
   r.figures.support_cases = {
       {"quake",

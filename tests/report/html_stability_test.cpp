@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -104,6 +105,33 @@ TEST(HtmlStability, EachKeyBlockTellsItsFacesItsForcesAndWhyItMoves) {
   EXPECT_EQ(count(faces.substr(0, faces.find("</table>")), "<tr><td>"), 6U);
   EXPECT_EQ(count(faces, "slides on it"), 1U);
   EXPECT_EQ(count(faces, "opens"), 1U);  // the lid: the block moves straight down
+}
+
+// Vectors are those of the scene; what an engineer compares with a compass counts from true north.
+TEST(HtmlStability, DipDirectionsCountFromTrueNorth) {
+  Tunnel t;
+  const std::string plain = report_html(t.page);
+  EXPECT_TRUE(plain.contains("x east, y north, z up; dip directions clockwise from north"));
+  t.result.north = 30;
+  const std::string turned = report_html(t.page);
+  EXPECT_TRUE(turned.contains("z up, true north 30° clockwise from y; dip directions clockwise from true north"));
+  const auto attitudes = [](const std::string& page) {
+    static const std::regex pair{">([0-9]+)° / ([0-9]+)°<"};
+    const std::string why = section(page, "why");
+    const std::string faces = why.substr(why.find("<table class=\"faces\">"));
+    std::vector<std::array<int, 2>> found;
+    for (std::sregex_iterator at{faces.begin(), faces.end(), pair}, end; at != end; ++at) {
+      found.push_back({std::stoi((*at)[1]), std::stoi((*at)[2])});
+    }
+    return found;
+  };
+  const auto before = attitudes(plain), after = attitudes(turned);
+  ASSERT_GE(before.size(), 6U);
+  ASSERT_EQ(before.size(), after.size());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    EXPECT_EQ(after[i][0], before[i][0]);
+    EXPECT_EQ(after[i][1], (before[i][1] + 330) % 360);
+  }
 }
 
 // By itself it stays: its forces say nothing, its group does.

@@ -295,6 +295,10 @@ TEST(Places, ShaftsHaveTheirWallsByTheCompass) {
   for (const auto& shaft : {plunging(71), along({0, 0, -1}, {1, 0, 0}), along({0, 0, 2}, {0, 1, 0})}) {
     EXPECT_TRUE(at_shaft(shaft));
     EXPECT_EQ(location_of(shaft, {0.2, 1, 0}), "north wall");
+    // True north along x, then along -x.
+    EXPECT_EQ(location_of(shaft, {1, 0.2, 0}, geometry::North::degrees(90)), "north wall");
+    EXPECT_EQ(location_of(shaft, {0.2, 1, 0}, geometry::North::degrees(-90)), "east wall");
+    EXPECT_EQ(position_of(shaft, {1, 1, 0}, geometry::North::degrees(45)), "north");
     EXPECT_EQ(location_of(shaft, {1, 0.2, 0}), "east wall");
     EXPECT_EQ(location_of(shaft, {0.2, -1, 0}), "south wall");
     EXPECT_EQ(location_of(shaft, {-1, 0.2, 0}), "west wall");

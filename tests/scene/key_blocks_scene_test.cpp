@@ -136,6 +136,40 @@ TEST(KeyBlocksScene, ChoicesReachTheAnalysis) {
   EXPECT_NEAR(with("partial = { friction = 1.25 }\n").judgements[0].factor_of_safety, tangent / 1.25, 1e-9);
 }
 
+// Forces a metre are of the tunnel in the rock, not of the axis that is drawn.
+TEST(KeyBlocksScene, TunnelsAreAsLongAsTheRockTheyTake) {
+  const std::string text =
+      "[domain]\nbox = { min = [0, 0, 0], max = [8, 8, 6] }\n[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\n"
+      "section = { shape = \"rectangle\", width = 2, height = 2 }\naxis = [[4, -4, 3], [4, 8, 3]]\n"
+      "[joints.default]\nfriction = 30\n[stability]\n[monte_carlo]\nrealizations = 2\n";
+  EXPECT_NEAR(run_of(text).tunnel_length.value().si(), 8, 1e-9);
+  const stochastic::EnsembleOptions options = ensemble_options_of(scene_of(text));
+  EXPECT_NEAR(options.tunnel_in_rock.value().si(), 8, 1e-9);
+  EXPECT_NEAR(options.tunnel_length_m.value(), 12, 1e-9);
+}
+
+// Azimuths of grids count from true north as those of joints do.
+TEST(KeyBlocksScene, GridsOfBoltsFollowNorth) {
+  const auto turned = [](std::string_view north, std::string_view direction, std::string_view more) {
+    std::string text = slope(1, 1, 0.5, 0.5, more);
+    for (std::size_t at = 0; (at = text.find("dip_direction = 90", at)) != std::string::npos;) {
+      text.replace(at, 18, fmt::format("dip_direction = {}", direction));
+    }
+    return run_of(fmt::format("north = {}\n{}", north, text));
+  };
+  for (const char* more : {"", "plunge = 10\n"}) {
+    const RunResult plain = turned("0", "90", more), other = turned("-70", "160", more);
+    ASSERT_FALSE(plain.support->bolts.empty());
+    ASSERT_EQ(plain.support->bolts.size(), other.support->bolts.size());
+    for (std::size_t i = 0; i < plain.support->bolts.size(); ++i) {
+      const stability::Bolt &a = plain.support->bolts[i].bolt, &b = other.support->bolts[i].bolt;
+      EXPECT_EQ(a.collar, b.collar);
+      EXPECT_EQ(a.direction, b.direction);
+    }
+    EXPECT_EQ(plain.support->passes(), other.support->passes());
+  }
+}
+
 // The spacing found passes at every phase that was asked for, each run as a scene of its own; the next wider one that
 // the search tried does not.
 TEST(KeyBlocksScene, TheSearchFindsTheWidestPatternThatPasses) {
@@ -173,6 +207,18 @@ TEST(KeyBlocksScene, TheSearchFindsTheWidestPatternThatPasses) {
     return n.contains(fmt::format("miss a target at {} of 40 random offsets", found.failing));
   }));
   EXPECT_EQ(r.designs[0].failing, r.designs[0].offsets);
+  // What governs has its volume; only where the widest tried holds the search ended at its limit.
+  const auto noted = [](const RunResult& run, std::string_view what) {
+    return std::ranges::count_if(run.notes, [&](const std::string& n) { return n.contains(what); });
+  };
+  EXPECT_NEAR(found.governing_volume.si(), 180, 1e-9);
+  EXPECT_FALSE(found.at_widest);
+  EXPECT_EQ(noted(r, "the widest that `scale` lets the search try"), 0);
+  EXPECT_EQ(noted(r, "bolts of 0.4 m block"), 1);
+  EXPECT_EQ(noted(r, "of 180 m3, misses its target most often"), 1);
+  const RunResult limited = run_of(slope(1, 1, 0.5, 0.5, "[support.design]\nlengths = [12]\nscale = [0.5, 0.6]\n"));
+  EXPECT_TRUE(limited.designs.at(0).at_widest);
+  EXPECT_EQ(noted(limited, "the widest that `scale` lets the search try"), 1);
   // The same seed, the same offsets.
   const RunResult again = run_of(slope(
       1, 1, 0.5, 0.5,
@@ -308,8 +354,9 @@ TEST(KeyBlocksScene, LargestKeyBlocksScaleWithTheLengthOfJoints) {
         EXPECT_LE(key[0] == 't' ? row.block.longest_trace() : row.block.largest_extent(), limit * (1 + 1e-9));
       }
       if (!roof || !stability::moves(half.mode)) continue;
-      const auto& apex = large.block.apex;
-      const RunResult cut = with("", 0.5 * apex[0], 3 + 0.5 * (apex[1] - 3));
+      const auto& apex = half.block.apex;
+      EXPECT_NEAR(apex[1] - 3, half.block.height, 1e-9);
+      const RunResult cut = with("", apex[0], apex[1]);
       bool same = false;
       for (const stability::Judgement& j : cut.analysis->judgements) {
         const double volume = cut.complex->complex().blocks()[j.block].volume.si();

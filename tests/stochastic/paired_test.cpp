@@ -54,6 +54,36 @@ TEST(PairedTest, DifferencesByHand) {
   EXPECT_TRUE(std::ranges::none_of(rows, [](const auto& r) { return r.name.starts_with("support_blocks"); }));
 }
 
+// What one design alone was asked for is not compared with nothing; load cases are compared by themselves.
+TEST(PairedTest, OnlyWhatBothWereAskedFor) {
+  PairedComparison pairs, under;
+  for (std::uint64_t k = 0; k < 4; ++k) {
+    Record bare = with(k, 1), bolted = with(k, 1);
+    bolted.support = Supported{.needing = 3, .not_held = k};
+    bare.cases.resize(1);
+    bare.cases[0].count = 2;
+    bare.cases[0].volume = cubic_metres(5);
+    bolted.cases.resize(2);
+    bolted.cases[1].count = 1;
+    bolted.cases[1].volume = cubic_metres(2);
+    pairs.add(bare, bolted);
+    under.add(under_case(bare, 0), under_case(bolted, 1));
+  }
+  const auto rows = pairs.estimates(0.95);
+  EXPECT_TRUE(std::ranges::none_of(rows, [](const auto& r) { return r.name.starts_with("support_blocks"); }));
+  const PairedComparison::OnlyInOne only = pairs.only_in_one();
+  const auto has = [](const std::vector<std::string>& names, std::string_view name) {
+    return std::ranges::find(names, name) != names.end();
+  };
+  EXPECT_TRUE(only.first.empty());
+  EXPECT_TRUE(has(only.second, "support_blocks_not_held"));
+  EXPECT_FALSE(has(only.second, "support_groups_not_held"));
+  const auto cases = under.estimates(0.95, true);
+  EXPECT_EQ(row(cases, "key_block_volume_m3").difference, -3);
+  EXPECT_EQ(row(cases, "probability_of_failure").first, 1);
+  EXPECT_TRUE(std::ranges::none_of(cases, [](const auto& r) { return r.name == "joint_count"; }));
+}
+
 // Known answer of e^{1.1 u} - e^{u}: its variance is 0.571 with independent u and 0.0066 with common ones.
 // Pairs that never differ say nothing of how much they may.
 TEST(PairedTest, NoIntervalWhereNoPairDiffers) {

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <expected>
 #include <filesystem>
 #include <fstream>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "cleave/core/version.hpp"
 #include "cleave/exchange/json_fields.hpp"
@@ -60,73 +64,107 @@ std::string text_of(const std::vector<PairedEstimate>& rows) {
   return text;
 }
 
-std::string json_of(const std::vector<PairedEstimate>& rows, const std::string& first, const std::string& second,
-                    double confidence, const std::vector<std::string>& notes) {
+/// A load case that both scenes have, by its name.
+struct SameCase {
+  std::string name;
+  std::size_t in_first, in_second;  ///< numbers in the records
+  stochastic::PairedComparison pairs;
+  std::vector<PairedEstimate> rows = {};
+};
+
+std::vector<SameCase> same_cases(const scene::Scene& first, const scene::Scene& second, std::uint64_t unit) {
+  std::vector<SameCase> same;
+  if (!first.stability || !second.stability) return same;
+  const auto& a = first.stability->cases;
+  const auto& b = second.stability->cases;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const auto other = std::ranges::find(b, a[i].name, &scene::LoadCase::name);
+    if (other == b.end()) continue;
+    same.push_back({a[i].name, i, static_cast<std::size_t>(other - b.begin()), stochastic::PairedComparison{unit}});
+  }
+  return same;
+}
+
+constexpr auto quantity_fields = [](auto& q, const PairedEstimate& r) {
+  q("pairs", r.pairs);
+  q("first", r.first);
+  q("second", r.second);
+  q("difference", r.difference);
+  q("standard_error", r.standard_error);
+  q("low", or_null(r.interval.low));
+  q("high", or_null(r.interval.high));
+  q("correlation", r.correlation);
+  q("gain", r.gain);
+};
+
+/// Names joined by commas.
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+std::string json_of(const std::vector<PairedEstimate>& rows, const std::vector<SameCase>& cases,
+                    const std::string& first, const std::string& second, double confidence,
+                    const std::vector<std::string>& notes) {
   report::JsonWriter json;
   report::JsonFields{json}.put(group([&](auto& v) {
     v("cleave", CLEAVE_VERSION);
     v("first", first);
     v("second", second);
     v("confidence", confidence);
-    v("quantities", by_name(rows, &PairedEstimate::name, [](auto& q, const PairedEstimate& r) {
-        q("pairs", r.pairs);
-        q("first", r.first);
-        q("second", r.second);
-        q("difference", r.difference);
-        q("standard_error", r.standard_error);
-        q("low", or_null(r.interval.low));
-        q("high", or_null(r.interval.high));
-        q("correlation", r.correlation);
-        q("gain", r.gain);
+    v("quantities", by_name(rows, &PairedEstimate::name, quantity_fields));
+    v("load_cases", by_name(cases, &SameCase::name, [](auto& c, const SameCase& under) {
+        c("quantities", by_name(under.rows, &PairedEstimate::name, quantity_fields));
       }));
     v("notes", notes);
   }));
   return std::move(json).finish();
 }
 
-}  // namespace
-
-ExitCode compare_results(const std::string& first, const std::string& second, const std::string& out) {
-  std::uint64_t group = 0, seed = 0;
+/// What two results must share, and what of them is compared.
+struct Compared {
+  std::uint64_t unit = 0, seed = 0;
   double confidence = 0.95;
+  std::vector<SameCase> cases = {};
+};
+
+std::expected<Compared, ExitCode> comparable(const std::string& first, const std::string& second) {
+  Compared found;
+  std::optional<scene::Scene> one;
   for (const std::string* folder : {&first, &second}) {
     std::error_code ignored;
+    const auto refused = [&](const std::string& what) { return std::unexpected(wrong(*folder, what)); };
     if (!fs::exists(fs::path{*folder} / records_name, ignored)) {
-      return wrong(*folder, "is no finished Monte Carlo result: it holds no realizations.csv; name the folder of one");
+      return refused("is no finished Monte Carlo result: it holds no realizations.csv; name the folder of one");
     }
     const auto identity = stochastic::read_records(fs::path{*folder} / records_name,
                                                    [](const Record&, std::string_view) { return true; });
-    if (!identity) return wrong(*folder, "realizations.csv: " + describe(identity.error()));
-    if (identity->shard.of > 1) return wrong(*folder, "is a shard; merge the parts first (cleave merge)");
+    if (!identity) return refused("realizations.csv: " + describe(identity.error()));
+    if (identity->shard.of > 1) return refused("is a shard; merge the parts first (cleave merge)");
     auto scene = load_copied_scene(*folder);
-    if (!scene) return report_problems(scene.error());
+    if (!scene) return std::unexpected(report_problems(scene.error()));
     if (folder == &first) {
-      group = strengths_per_geometry(*scene);
-      seed = identity->seed;
-      confidence = scene->monte_carlo ? scene->monte_carlo->confidence : confidence;
-    } else if (identity->seed != seed) {
-      return wrong(*folder,
-                   fmt::format("has the seed {}, {} has {}: designs are compared on common random numbers; run "
-                               "one of them with --seed of the other",
-                               identity->seed, first, seed));
-    } else if (strengths_per_geometry(*scene) != group) {
-      return wrong(*folder, "has another strengths_per_geometry; give both scenes the same");
-    }
-  }
-  stochastic::PairedComparison pairs{group};
-  Records a{first}, b{second};
-  std::uint64_t only_one = 0;
-  for (;;) {
-    const auto left = a.next(), right = b.next();
-    if (!left && !right) break;
-    if (!left || !right) {
-      ++only_one;
+      found.unit = strengths_per_geometry(*scene);
+      found.seed = identity->seed;
+      found.confidence = scene->monte_carlo ? scene->monte_carlo->confidence : found.confidence;
+      one = *std::move(scene);
+    } else if (identity->seed != found.seed) {
+      return refused(
+          fmt::format("has the seed {}, {} has {}: designs are compared on common random numbers; run one of them with "
+                      "--seed of the other",
+                      identity->seed, first, found.seed));
+    } else if (strengths_per_geometry(*scene) != found.unit) {
+      return refused("has another strengths_per_geometry; give both scenes the same");
     } else {
-      pairs.add(*left, *right);
+      found.cases = same_cases(*one, *scene, found.unit);
     }
   }
-  const auto rows = pairs.estimates(confidence);
-  if (rows.empty()) return wrong(second, "fewer than two realizations are in both; run more");
+  return found;
+}
+
+std::vector<std::string> notes_of(const stochastic::PairedComparison& pairs, std::uint64_t only_one,
+                                  const std::string& first, const std::string& second) {
   std::vector<std::string> notes;
   if (only_one > 0)
     notes.push_back(fmt::format("{} realizations are in one of the two only and are left out", only_one));
@@ -138,14 +176,51 @@ ExitCode compare_results(const std::string& first, const std::string& second, co
     notes.push_back(fmt::format("in {} realizations the two do not have as many joints: they are not the same rock",
                                 pairs.other_joints()));
   }
+  const stochastic::PairedComparison::OnlyInOne only = pairs.only_in_one();
+  for (const auto& [names, folder] : {std::pair{&only.first, &first}, {&only.second, &second}}) {
+    if (names->empty()) continue;
+    notes.push_back(fmt::format(
+        "only {} was asked for {}: not compared. To see what bolts do give both scenes [support] with the same "
+        "`target`, one of them without bolts",
+        *folder, listed(*names)));
+  }
+  return notes;
+}
+
+}  // namespace
+
+ExitCode compare_results(const std::string& first, const std::string& second, const std::string& out) {
+  auto found = comparable(first, second);
+  if (!found) return found.error();
+  stochastic::PairedComparison pairs{found->unit};
+  Records a{first}, b{second};
+  std::uint64_t only_one = 0;
+  for (;;) {
+    const auto left = a.next(), right = b.next();
+    if (!left && !right) break;
+    if (!left || !right) {
+      ++only_one;
+      continue;
+    }
+    pairs.add(*left, *right);
+    for (SameCase& under : found->cases) {
+      under.pairs.add(under_case(*left, under.in_first), under_case(*right, under.in_second));
+    }
+  }
+  const auto rows = pairs.estimates(found->confidence);
+  if (rows.empty()) return wrong(second, "fewer than two realizations are in both; run more");
+  for (SameCase& under : found->cases) under.rows = under.pairs.estimates(found->confidence, true);
+  const std::vector<std::string> notes = notes_of(pairs, only_one, first, second);
   std::string text = fmt::format(
                          "{}\n{}\n{} pairs, {:g} % intervals of second - first; gain: so many times fewer "
                          "realizations than with independent random numbers\n",
-                         first, second, rows.front().pairs, 100 * confidence) +
+                         first, second, rows.front().pairs, 100 * found->confidence) +
                      text_of(rows);
+  for (const SameCase& under : found->cases) text += fmt::format("under {}:\n", under.name) + text_of(under.rows);
   for (const std::string& note : notes) text += "note: " + note + "\n";
   if (!out.empty()) {
-    if (const auto written = report::write_file(out, json_of(rows, first, second, confidence, notes)); !written) {
+    const std::string json = json_of(rows, found->cases, first, second, found->confidence, notes);
+    if (const auto written = report::write_file(out, json); !written) {
       print_error(describe(written.error()));
       return ExitCode::machine_failed;
     }

@@ -63,7 +63,10 @@ std::string group_line(const std::optional<scene::KeyGroupFigures>& groups) {
 
 std::string design_line(const scene::DesignResult& design) {
   const std::string spacing = fmt::format("{:.4g} x {:.4g} m", design.spacing[0], design.spacing[1]);
-  const std::string governs = design.governing ? fmt::format("; block {} governs", *design.governing) : "";
+  const std::string governs =
+      design.governing ? fmt::format("; block {}, {:.3g} m3, {}", *design.governing, design.governing_volume.si(),
+                                     design.found && design.failing == 0 ? "has the least margin" : "governs")
+                       : "";
   if (!design.found) {
     return fmt::format("  bolts of {:g} m: no pattern found, down to {}{}\n", design.length, spacing, governs);
   }
@@ -71,8 +74,8 @@ std::string design_line(const scene::DesignResult& design) {
                                  ? fmt::format("; does not hold {} of {} groups, {} in doubt", design.groups->not_held,
                                                design.groups->count, design.groups->in_doubt)
                                  : "";
-  return fmt::format("  bolts of {:g} m: {} at {}{}{}; fails at {} of {} random offsets [{:.1f}, {:.1f} %]{}{}\n",
-                     design.length, design.bolts, spacing,
+  return fmt::format("  bolts of {:g} m: {} at {}{}{}{}; fails at {} of {} random offsets [{:.1f}, {:.1f} %]{}{}\n",
+                     design.length, design.bolts, spacing, design.at_widest ? " (the widest tried)" : "",
                      design.rings ? fmt::format(" in {} rings", *design.rings) : "",
                      design.spot_bolts > 0 ? fmt::format(" beside {} spot", design.spot_bolts) : "", design.failing,
                      design.offsets, 100 * design.failing_share[0], 100 * design.failing_share[1], groups, governs);
@@ -92,6 +95,7 @@ std::string support_verdict(const scene::SupportFigures& support, const std::vec
 
 std::string support_lines(const scene::SupportFigures& support, const std::vector<scene::DesignResult>& designs,
                           const std::vector<scene::SupportCaseFigures>& cases) {
+  const auto all = group([&](auto& v) { scene::support_fields(v, support, {}, designs, {}); });
   std::string text = fmt::format("support      {}: ", support_verdict(support, cases)) +
                      say("{blocks} blocks by themselves below their target (falling {target_falling:g}, sliding "
                          "{target_sliding:g}), {held_by_bolts} held by bolts, "
@@ -99,7 +103,19 @@ std::string support_lines(const scene::SupportFigures& support, const std::vecto
                          "{held_by_both} by both, {not_held} not held\n"
                          "  {bolts} bolts, {combined_blocks} stitched bodies ({combined_failing} failing); required "
                          "by these blocks {required_force_n}, missing {missing_force_n}\n",
-                         group([&](auto& v) { scene::support_fields(v, support, {}, designs, {}); }));
+                         all);
+  if (support.small_blocks > 0) {
+    text +=
+        say("  of these {small_blocks} with less free face than `spot_area`: {small_not_held} not held, required "
+            "{small_required_force_n}\n",
+            all);
+  }
+  if (support.passed_on_blocks > 0) {
+    text +=
+        say("  of these {passed_on_blocks} only for what other blocks pass to them: {passed_on_not_held} not held, "
+            "required {passed_on_required_force_n}; hold the others\n",
+            all);
+  }
   for (const scene::SupportCaseFigures& load : cases) {
     text +=
         say("  under {name}: {blocks} blocks below their target ({target_falling:g}, {target_sliding:g}), {not_held} "
@@ -147,9 +163,10 @@ std::string figures_of(const scene::RunResult& result) {
     text += key_block_lines(*figures.key_blocks) + group_line(figures.groups);
   }
   for (const scene::CaseFigures& load : figures.load_cases) {
-    text += say("  under {name}: {count} blocks, {volume_m3:.6g} m3, lowest factor of safety "
-                "{lowest_factor_of_safety:.4g}\n",
-                load) +
+    text += say("  under {name}: {count} blocks, {volume_m3:.6g} m3", load) +
+            (std::isfinite(load.figures.lowest_factor_of_safety)
+                 ? say(", lowest factor of safety {lowest_factor_of_safety:.4g}\n", load)
+                 : std::string{"\n"}) +
             group_line(load.groups);
   }
   if (figures.governing_case) text += fmt::format("  governs: {}\n", *figures.governing_case);

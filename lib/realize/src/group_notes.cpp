@@ -190,6 +190,18 @@ void add_design_notes(const std::vector<DesignResult>& designs, std::vector<std:
           "({:.0f} to {:.0f} %): no pattern is set that exactly; see `offsets_failing`",
           design.length, design.failing, design.offsets, 100 * design.failing_share[0], 100 * design.failing_share[1]));
     }
+    if (design.at_widest) {
+      notes.push_back(
+          fmt::format("design: bolts of {:g} m hold at {:.4g} x {:.4g} m, the widest that `scale` lets the search try: "
+                      "no optimum; give `scale` a larger second number, or set bolts for what a pattern so wide is for",
+                      design.length, design.spacing[0], design.spacing[1]));
+    }
+    if (!design.found && design.governing) {
+      notes.push_back(fmt::format(
+          "design: at the tightest pattern of bolts of {:g} m block {}, of {:.3g} m3, misses its target most "
+          "often; what no bolt meets needs shotcrete, and crumbs can be left out by [micro_blocks]",
+          design.length, *design.governing, design.governing_volume.si()));
+    }
     if (!design.found || !design.groups || design.groups->all_held()) continue;
     const SupportedGroupFigures& groups = *design.groups;
     notes.push_back(fmt::format(

@@ -36,8 +36,8 @@ enum class Detail : std::uint8_t {
 /// So many blocks are judged together: fewer where groups are only noted.
 [[nodiscard]] stability::Together together(const Scene& scene, unsigned threads);
 
-/// m, of all tunnels.
-[[nodiscard]] std::optional<Length> tunnel_length(const Scene& scene);
+/// m of rock that all tunnels go through; empty without a tunnel.
+[[nodiscard]] std::optional<Length> tunnel_length(const std::vector<ExcavationInfo>& excavations);
 
 /// [support] in the rock after each stage of the sequence: without and with the bolts of the stage.
 void judge_support_in_stages(const Scene& scene, Realization& made, unsigned threads);

@@ -63,10 +63,11 @@ void judge_maximum_blocks(const Scene& scene, Realization& made) {
                                      .partial = scene.stability->partial,
                                      .target_falling = target.falling,
                                      .target_sliding = target.sliding};
+  const geometry::North north = geometry::North::degrees(scene.north);
   for (auto& block : stability::maximum_key_blocks(planes, tunnel, loads, {wanted.trace, wanted.size})) {
     const Vec3 apex = block.block.apex[0] * section.right + block.block.apex[1] * section.up;
-    MaximumRow row{.sets = {}, .block = block, .where = std::string{location_of(section, apex)}};
-    row.position = position_of(section, apex);
+    MaximumRow row{.sets = {}, .block = block, .where = std::string{location_of(section, apex, north)}};
+    row.position = position_of(section, apex, north);
     for (std::size_t i = 0; i < 3; ++i) row.sets[i] = scene.sets[used[block.planes[i]]].name;
     made.maximum_blocks.push_back(std::move(row));
   }

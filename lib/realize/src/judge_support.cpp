@@ -150,6 +150,7 @@ class DesignSearch {
     if (row.found) {
       scale = widest(design.widest);
       if (has_groups()) scale = widest_with_groups(scale);
+      row.at_widest = scale == design.widest;
       plan_.bolts = bolts_with(*support_, scale, length_, {});
       row.bolts = plan_.bolts.size();
       row.cost = static_cast<double>(row.bolts) * (design.cost_per_bolt + design.cost_per_metre * length_);
@@ -323,13 +324,14 @@ Length longest_bolt(const Scene& scene) {
   return longest;
 }
 
-std::optional<Length> tunnel_length(const Scene& scene) {
+std::optional<Length> tunnel_length(const std::vector<ExcavationInfo>& excavations) {
   std::optional<Length> length;
-  for (const Excavation& excavation : scene.excavations) {
+  for (const ExcavationInfo& excavation : excavations) {
     if (!excavation.tunnel) continue;
     const auto& axis = excavation.tunnel->axis;
+    const double inside = 1 - excavation.outside_share.value_or(0);
     length = length.value_or(Length{});
-    for (std::size_t i = 0; i + 1 < axis.size(); ++i) *length += metres(geometry::norm(axis[i + 1] - axis[i]));
+    for (std::size_t i = 0; i + 1 < axis.size(); ++i) *length += metres(inside * geometry::norm(axis[i + 1] - axis[i]));
   }
   return length;
 }
@@ -419,7 +421,9 @@ void judge_support(const Scene& scene, const topology::AuditedComplex& complex, 
                         plan_under(load, support.plan), asked);
   }
   for (const double length : support.design->lengths) {
-    made.designs.push_back(DesignSearch{support, length, scene.seed, checks}.run());
+    DesignResult& design = made.designs.emplace_back(DesignSearch{support, length, scene.seed, checks}.run());
+    if (!design.governing) continue;
+    design.governing_volume = complex.complex().blocks()[topology::BlockId{*design.governing}].volume;
   }
   for (const PlanCheck& check : checks) note(check.undecided(), made);
 }

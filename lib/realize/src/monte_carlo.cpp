@@ -60,6 +60,18 @@ std::vector<std::vector<std::uint32_t>> orders_of(const Scene& scene) {
   return orders;
 }
 
+namespace {
+/// Of the tunnel whose axis is asked about, what lies outside the rock.
+double outside_share_of_tunnel(const Scene& scene) {
+  const auto taken = excavated(scene);
+  if (!taken) return 0;
+  for (std::size_t e = 0; e < scene.excavations.size(); ++e) {
+    if (!scene.excavations[e].axis.empty()) return taken->openings[e].outside_share.value_or(0);
+  }
+  return 0;
+}
+}  // namespace
+
 stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
   const stochastic::Questions questions = questions_of(scene);
   stochastic::EnsembleOptions options{.stability = scene.stability.has_value(),
@@ -75,7 +87,10 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
                                       .clamped = questions.clamped,
                                       .orders = orders_of(scene).size(),
                                       .strengths_per_geometry = strengths_per_geometry(scene)};
-  if (!questions.axis.empty()) options.tunnel_length_m = stochastic::length_of(questions.axis);
+  if (!questions.axis.empty()) {
+    options.tunnel_length_m = stochastic::length_of(questions.axis);
+    options.tunnel_in_rock = metres(*options.tunnel_length_m * (1 - outside_share_of_tunnel(scene)));
+  }
   for (const auto& [name, p] : Percentiles::levels) options.size_levels.push_back(p);
   if (scene.stability) {
     for (const LoadCase& load : scene.stability->cases) options.cases.push_back(load.name);

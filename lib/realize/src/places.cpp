@@ -130,22 +130,36 @@ void measure(const topology::BlockComplex& complex, topology::BlockId block, Blo
 
 bool at_shaft(const geometry::SectionFrame& section) { return std::abs(section.along.z) >= std::sin(steepest_tunnel); }
 
-std::string_view location_of(const geometry::SectionFrame& section, Vec3 away) {
+namespace {
+/// Its level part, to the east and to true north.
+std::array<double, 2> east_and_north(Vec3 away, geometry::North north) {
+  const double c = geometry::cos_degrees(north.degrees()), s = geometry::sin_degrees(north.degrees());
+  return {away.x * c - away.y * s, away.x * s + away.y * c};
+}
+}  // namespace
+
+std::string_view location_of(const geometry::SectionFrame& section, Vec3 away, geometry::North north) {
   static constexpr std::array<std::string_view, 4> tunnel{"roof", "right wall", "floor", "left wall"};
   static constexpr std::array<std::string_view, 4> shaft{"north wall", "east wall", "south wall", "west wall"};
-  if (at_shaft(section)) return shaft[nearest_of(4, away.x, away.y)];
+  if (at_shaft(section)) {
+    const auto [x, y] = east_and_north(away, north);
+    return shaft[nearest_of(4, x, y)];
+  }
   const double angle = std::atan2(dot(away, section.right), dot(away, section.up)) * 180 / std::numbers::pi;
   if (std::abs(angle) <= 45) return tunnel[0];
   if (std::abs(angle) >= 135) return tunnel[2];
   return tunnel[angle > 0 ? 1 : 3];
 }
 
-std::string_view position_of(const geometry::SectionFrame& section, Vec3 away) {
+std::string_view position_of(const geometry::SectionFrame& section, Vec3 away, geometry::North north) {
   static constexpr std::array<std::string_view, 8> tunnel{"roof",  "upper right", "right", "lower right",
                                                           "floor", "lower left",  "left",  "upper left"};
   static constexpr std::array<std::string_view, 8> shaft{"north", "northeast", "east", "southeast",
                                                          "south", "southwest", "west", "northwest"};
-  if (at_shaft(section)) return shaft[nearest_of(8, away.x, away.y)];
+  if (at_shaft(section)) {
+    const auto [x, y] = east_and_north(away, north);
+    return shaft[nearest_of(8, x, y)];
+  }
   return tunnel[nearest_of(8, dot(away, section.right), dot(away, section.up))];
 }
 
@@ -216,7 +230,7 @@ BlockPlace place_of(const RunResult& result, const topology::BlockComplex& compl
   const Vec3 away = -widest->second.towards;
   const double across = std::hypot(dot(away, section.right), dot(away, section.up));
   if (!(across > std::abs(dot(away, section.along)))) return place;
-  place.location = location_of(section, away);
+  place.location = location_of(section, away, geometry::North::degrees(result.north));
   place.clock = clock_of(section, away);
   return place;
 }

@@ -123,7 +123,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   result.stability = scene.stability;
   result.micro_blocks = scene.micro_blocks;
   if (scene.support) result.bolt_groups = scene.support->groups;
-  result.tunnel_length = tunnel_length(scene);
+  result.tunnel_length = tunnel_length(result.excavations);
   result.figures = count(result);
   result.figures.input.lines = count_lines(scene, result.input);
   return result;

@@ -11,6 +11,7 @@
 #include "assets.hpp"
 #include "cleave/core/version.hpp"
 #include "cleave/exchange/text.hpp"
+#include "cleave/geometry/orientation.hpp"
 #include "cleave/realize/block_sizes.hpp"
 #include "drawings.hpp"
 #include "html_key_blocks.hpp"
@@ -174,6 +175,7 @@ std::string set_table(const Page& page) {
                     escape_xml(page.result.sets[id].name);
     row.joints = normals.size();
     row.mean = mean_of(normals);
+    row.mean.dip_direction_degrees = geometry::wrap_degrees(row.mean.dip_direction_degrees - page.result.north);
     table.add(row);
   }
   return std::move(table).html();
@@ -326,18 +328,27 @@ std::string inputs_section(const Page& page) {
          "</section>\n";
 }
 
+/// What coordinates and dip directions mean.
+std::string axes_of(double north) {
+  if (north == 0) return "x east, y north, z up; dip directions clockwise from north";
+  return "z up, true north " + display(north, 6) + "° clockwise from y; dip directions clockwise from true north";
+}
+
 }  // namespace
 
 double Page::tan_friction(topology::JointId joint) const {
   return joint.index() < result.joints.size() ? std::tan(result.joints[joint].strength.friction().radians()) : 0;
 }
 
+std::string Page::azimuth(double from_y) const {
+  return std::to_string(std::lround(geometry::wrap_degrees(from_y - result.north)) % 360) + "°";
+}
+
 std::string report_html(const Page& page) {
   const scene::RunResult& r = page.result;
   const std::string title = escape_xml(r.title.empty() ? "cleave report" : r.title);
-  std::string out = page_begin(
-      title, detail::project_line(r.project) + escape_xml(r.scene_file) + " · seed " + std::to_string(r.seed) +
-                 " · lengths in metres, x east, y north, z up; dip directions clockwise from +y");
+  std::string out = page_begin(title, detail::project_line(r.project) + escape_xml(r.scene_file) + " · seed " +
+                                          std::to_string(r.seed) + " · lengths in metres, " + axes_of(r.north));
   std::string view_json;
   out += cards(page);
   out += view_section(page, view_json);

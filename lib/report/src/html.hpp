@@ -19,6 +19,8 @@ struct Page {
 
   [[nodiscard]] const scene::Figures& figures() const noexcept { return result.figures; }
   [[nodiscard]] double tan_friction(topology::JointId joint) const;
+  /// "160°": clockwise from true north, of an azimuth from the scene's y axis; whole degrees.
+  [[nodiscard]] std::string azimuth(double from_y) const;
 };
 
 /// report.html: one file, nothing is ever loaded from elsewhere. Same page, same bytes.

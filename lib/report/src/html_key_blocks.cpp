@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cleave/exchange/text.hpp"
+#include "cleave/geometry/orientation.hpp"
 #include "cleave/realize/places.hpp"
 #include "drawings.hpp"
 #include "html_table.hpp"
@@ -17,15 +18,13 @@ namespace {
 /// Smaller ones an engineer does not look for first.
 constexpr Volume shown_from = Volume::from_si(1e-3);
 
-std::string trend_and_plunge(const geometry::Vec3& d) {
-  constexpr double to_degrees = 57.29577951308232;
+std::string trend_and_plunge(const Page& page, const geometry::Vec3& d) {
   if (norm(d) == 0) return "–";
-  double trend = std::atan2(d.x, d.y) * to_degrees;
-  if (trend < 0) trend += 360;
-  const double plunge = std::asin(std::clamp(-d.z, -1.0, 1.0)) * to_degrees;
-  const auto whole = [](double v) { return std::to_string(std::lround(v)); };
+  const geometry::LineAttitude line = geometry::line_attitude_of(d);
+  const double plunge = line.plunge.degrees();
   if (std::abs(plunge) > 89.95) return plunge > 0 ? "straight down" : "straight up";
-  return whole(trend) + "° / " + (plunge < -0.5 ? "−" : "") + whole(std::abs(plunge)) + "°";
+  return page.azimuth(line.trend.degrees()) + " / " + (plunge < -0.5 ? "−" : "") +
+         std::to_string(std::lround(std::abs(plunge))) + "°";
 }
 
 /// "roof (11:30), 12.4 m": where on the tunnel, and how far along it.
@@ -42,6 +41,7 @@ bool is_micro(const topology::Block& block) { return block.sliver || block.volum
 /// A row of the page's table: what key_blocks.csv says, and cells that join figures.
 struct ShownBlock {
   const KeyBlockRow& row;
+  const Page& page;
 };
 template <class V>
 void fields(V& v, const ShownBlock& x) {
@@ -54,7 +54,7 @@ void fields(V& v, const ShownBlock& x) {
          j.batch ? *j.batch : 1e9},
     "when it leaves, from 1");
   v("where", Html{where(x.row.place)});
-  v("direction", Html{trend_and_plunge(j.direction)}, "of first motion, trend / plunge");
+  v("direction", Html{trend_and_plunge(x.page, j.direction)}, "of first motion, trend / plunge");
   if (x.row.parts.rotation) {
     v("turns_over", Html{!j.rotation ? "–" : j.rotation->turns ? "<b class=\"warn\">topples</b>" : "no"});
   }
@@ -81,13 +81,13 @@ std::string key_block_table(const Page& page, const std::vector<const stability:
                    {"faces"},
                    {"sets"},
                    {"joints"}},
-                  ShownBlock{KeyBlockRow{.j = none, .parts = parts_of(page.result)}},
+                  ShownBlock{KeyBlockRow{.j = none, .parts = parts_of(page.result)}, page},
                   "class=\"sortable\""};
   for (const stability::Judgement* j : judgements) {
     const KeyBlockRow row = key_block_row(*page.complex, page.result, *j);
     const bool micro = is_micro(page.complex->blocks()[j->block]);
-    table.add(ShownBlock{row}, "data-block=\"" + std::to_string(j->block.value()) + "\" class=\"" +
-                                   (j->key ? "" : "stays ") + (micro ? "micro" : "") + "\"");
+    table.add(ShownBlock{row, page}, "data-block=\"" + std::to_string(j->block.value()) + "\" class=\"" +
+                                         (j->key ? "" : "stays ") + (micro ? "micro" : "") + "\"");
   }
   return std::move(table).html();
 }

@@ -115,7 +115,9 @@ std::string designs_table(const std::vector<scene::DesignResult>& designs) {
          "alone and stitched, and all groups of blocks that the tightest pattern holds; spacing and rings of the first "
          "pattern. Random places: offsets drawn at random at which "
          "that pattern was tried again (where none passes, the tightest one), with the 95 % interval of the share that "
-         "fails. The governing block misses its target most often, or has the least margin.</p>\n";
+         "fails. The governing block misses its target most often, or has the least margin. An optimum is not among "
+         "what was tried "
+         "where the widest holds: see the notes.</p>\n";
 }
 
 std::string support_verdict(const scene::SupportFigures& support, const std::vector<scene::SupportCaseFigures>& cases) {
@@ -145,7 +147,7 @@ std::string support_section(const Page& page) {
       display_count(f.blocks) + " blocks need support by themselves: " + display_count(f.held_by_bolts) +
       " held by bolts, " + display_count(f.held_by_shotcrete) + " by shotcrete, " + display_count(f.held_by_both) +
       " by both together, " + display_count(f.not_held) + " not held. " + display_count(f.bolts) + " bolts (" +
-      display_count(f.spot_bolts) + " spot bolts): " + display_count(f.bolts_used) + " needed, " +
+      display_count(f.spot_bolts) + " spot bolts): " + display_count(f.bolts_used) + " that no other can replace, " +
       (f.groups ? display_count(f.bolts_of_groups) + " more pull at groups of blocks, " : "") +
       display_count(f.bolts_redundant) + " redundant, " + display_count(f.bolts_too_short) + " too short. " +
       display_count(f.combined) + " bodies stitched together by bolts, " + display_count(f.combined_failing) +

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cleave/exchange/text.hpp"
+#include "cleave/geometry/orientation.hpp"
 #include "cleave/realize/places.hpp"
 #include "drawings.hpp"
 #include "html_key_blocks.hpp"
@@ -199,14 +200,15 @@ void fields(V& v, const FaceRow& x) {
   constexpr double to_degrees = 180 / std::numbers::pi;
   const topology::Face& face = x.page.complex->faces()[x.id];
   const Vec3 up = face.outward.z < 0 ? -face.outward : face.outward;
-  const double trend = std::atan2(up.x, up.y) * to_degrees, dip = std::acos(std::clamp(up.z, 0.0, 1.0)) * to_degrees;
+  const geometry::Attitude attitude = geometry::attitude_of(up);
   const auto pressed = std::ranges::find(x.j.pressing, x.id, &stability::Pressing::face);
   const bool presses = pressed != x.j.pressing.end(), joint = face.role == topology::Role::joint;
   const double along = -dot(face.outward, x.j.direction);
   const double friction = joint && face.joint ? std::atan(x.page.tan_friction(*face.joint)) * to_degrees : 0;
   v("face", x.number);
   v("behind_it", behind(*x.page.complex, face));
-  v("attitude", Html{display(std::round(dip)) + "° / " + display(std::round(trend < 0 ? trend + 360 : trend)) + "°"});
+  v("attitude",
+    Html{std::to_string(std::lround(attitude.dip.degrees())) + "° / " + x.page.azimuth(attitude.direction.degrees())});
   v("area_m2", face.area);
   v("friction_deg", joint ? std::optional{friction} : std::nullopt);
   v("pressed_with_n", presses ? std::optional{pressed->reaction} : std::nullopt);

@@ -35,6 +35,7 @@ std::string words(std::string name) {
   for (const auto& [end, unit] : {std::pair<std::string_view, std::string_view>{" m3 per metre", ", m³ per metre"},
                                   {" n per metre", ", N per metre"},
                                   {" m3", ", m³"},
+                                  {" pa", ", Pa"},
                                   {" n", ", N"}}) {
     if (name.ends_with(end)) return name.substr(0, name.size() - end.size()) + std::string{unit};
   }

@@ -7,6 +7,7 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/core/text.hpp"
 #include "cleave/exchange/text.hpp"
+#include "cleave/geometry/orientation.hpp"
 #include "cleave/report/write.hpp"
 #include "cleave/topology/section.hpp"
 
@@ -89,7 +90,8 @@ std::string scene_of(const scene::RunResult& result, const scene::SectionSpec& s
       "# Section of " + on_one_line(result.scene_file) + ", written by cleave: run it with `cleave run`.\n";
   out += spec.horizontal ? "# Level z = " + number(spec.through.z) + " m; x = east, y = north.\n"
                          : "# Vertical, through (" + number(spec.through.x) + ", " + number(spec.through.y) +
-                               "); x towards azimuth " + number(spec.azimuth) + " degrees, y up.\n";
+                               "); x towards azimuth " + number(geometry::wrap_degrees(spec.azimuth - result.north)) +
+                               " degrees, y up.\n";
   out += "title = " + toml_string(result.title + ": section") +
          "\n\n[rock]\ndensity = " + number(result.rock.mass.density().si()) + "\n\n" + joints.text();
   if (cut) {

@@ -32,8 +32,11 @@ struct Unrolled {
 /// The wall of a tunnel as a strip.
 class Wall final {
  public:
-  explicit Wall(const scene::TunnelLine& line)
-      : line_{line}, frames_{geometry::section_frames(line.axis, line.up)}, starts_(line.outline.size() + 1, 0.0) {
+  Wall(const scene::TunnelLine& line, geometry::North north)
+      : line_{line},
+        north_{north},
+        frames_{geometry::section_frames(line.axis, line.up)},
+        starts_(line.outline.size() + 1, 0.0) {
     const auto& outline = line.outline;
     for (std::size_t i = 0; i < outline.size(); ++i) {
       const auto [du, dv] = side(i);
@@ -56,7 +59,7 @@ class Wall final {
   [[nodiscard]] std::array<std::string_view, 4> names() const {
     const geometry::SectionFrame& section = frames_.front();
     if (!scene::at_shaft(section)) return {"floor", "left wall", "crown", "right wall"};
-    const auto name = [&](Vec3 away) { return scene::position_of(section, away); };
+    const auto name = [&](Vec3 away) { return scene::position_of(section, away, north_); };
     return {name(-section.up), name(-section.right), name(section.up), name(section.right)};
   }
   [[nodiscard]] Vec3 axis_at(double chainage) const { return part_at(chainage).frame.along; }
@@ -114,6 +117,7 @@ class Wall final {
   }
 
   const scene::TunnelLine& line_;
+  geometry::North north_;
   std::vector<geometry::SectionFrame> frames_;
   std::vector<double> starts_;
   double crown_ = 0;
@@ -322,7 +326,7 @@ std::string unrolled_section(const Page& page) {
   for (std::size_t i = 0; i < page.result.excavations.size(); ++i) {
     const scene::ExcavationInfo& excavation = page.result.excavations[i];
     if (!excavation.tunnel || excavation.tunnel->axis.size() < 2 || excavation.tunnel->outline.size() < 3) continue;
-    const Wall wall{*excavation.tunnel};
+    const Wall wall{*excavation.tunnel, geometry::North::degrees(page.result.north)};
     std::vector<Shape> shapes = shapes_at(page, static_cast<std::uint32_t>(i), wall);
     if (shapes.empty() || !(wall.perimeter() > 0)) continue;
     const std::size_t all = shapes.size();

@@ -66,7 +66,7 @@ struct StatedLoads {
                                                      const std::vector<Excavation>& excavations,
                                                      const StatedLoads& base, const std::optional<Targets>& target,
                                                      geometry::Vec3 gravity);
-[[nodiscard]] std::optional<SupportSettings> parse_support(const TableReader& root,
+[[nodiscard]] std::optional<SupportSettings> parse_support(const Context& context, const TableReader& root,
                                                            const std::vector<Excavation>& excavations,
                                                            const std::optional<StabilitySettings>& stability);
 /// Stages of the excavations and [sequence]; empty when all are of one stage.

@@ -164,7 +164,10 @@ const KeyTable& scene_keys() {
             "true keeps the parts of joints that separate nothing (dangling ends, membranes, isolated joints): "
             "`dangling.vtu`, `dangling.obj` and `summary.json` say in which block each lies; the blocks are the same"},
            {"north", key::number(rule::turn), "0",
-            "degrees from y to true north, clockwise; dip directions count from true north"},
+            "degrees from y to true north, clockwise. Dip directions, trends and azimuths count from true north (also "
+            "those of "
+            "slopes, bolts and sections); vectors, coordinates and results do not. A tunnel along y that trends 040: "
+            "-40"},
            {"include", key::either({key::texts(), key::text()}), "[]",
             "files whose joints, joint sets and `[joints.NAME]` are taken as if they stood here"},
            {"domain", key::table(&domain_keys), required, "the rock"},
@@ -261,7 +264,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   parse_excavations(context, root, domain, excavations);
   std::vector<ScanLine> lines = parse_lines(context, root);
   ParsedStability stability = parse_stability(context, root, domain, excavations);
-  std::optional<SupportSettings> support = parse_support(root, excavations, stability.settings);
+  std::optional<SupportSettings> support = parse_support(context, root, excavations, stability.settings);
   std::set<SetId> used;
   for (const MeasuredJoint& joint : joints) used.insert(joint.set);
   for (const RandomSet& set : joint_sets) used.insert(set.set);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <string_view>
 #include <utility>
 
@@ -44,7 +43,10 @@ std::vector<Key> bolt_keys() {
       {"kind", key::word(stability::bolt_kind_names), "\"grouted\"",
        "`\"grouted\"` over its length; `\"friction\"` (split set, Swellex); `\"cable\"`; `\"mechanical\"`: held at its "
        "end over `anchorage`, free up to the plate"},
-      {"bond_strength", key::number(bond_rule), "", "N/m of gripped length; needed but for mechanical", "bond"},
+      {"bond_strength", key::number(bond_rule), "",
+       "N/m of gripped length, pi times the diameter of the hole times the strength of the bond; needed but for "
+       "mechanical; the diameter itself is not asked",
+       "bond"},
       {"anchor_capacity", key::number(capacity_rule), "", "N, of mechanical"},
       {"free_length", key::number(rule::length_or_zero), "0", "m from the collar that grips nothing, of cables"},
       {"anchorage", key::number(rule::length_or_zero), required,
@@ -110,11 +112,12 @@ const KeyTable& spot_keys() {
 }
 
 const KeyTable& shotcrete_keys() {
-  static const KeyTable keys{.name = "support.shotcrete",
-                             .keys = {{"thickness", key::number(thickness_rule), required, "m"},
-                                      {"strength", key::number(shotcrete_rule), required, "Pa, in shear"},
-                                      {"adhesion", key::number(adhesion_rule), "0", "Pa"},
-                                      {"bond_width", key::number(bond_width_rule), "0.03", "m"}}};
+  static const KeyTable keys{
+      .name = "support.shotcrete",
+      .keys = {{"thickness", key::number(thickness_rule), required, "m"},
+               {"strength", key::number(shotcrete_rule), required, "Pa, in shear"},
+               {"adhesion", key::number(adhesion_rule), "0", "Pa, of the bond to the rock; 0: it is no limit"},
+               {"bond_width", key::number(bond_width_rule), "0.03", "m"}}};
   return keys;
 }
 
@@ -174,15 +177,14 @@ std::optional<stability::BoltType> parse_type(const TableReader& table) {
   const auto tendon = table.need_number("tendon_capacity");
   const auto anchorage = table.need_number("anchorage");
   const double plate = table.value("plate_capacity");
-  if (!tendon || !anchorage) return std::nullopt;
+  const auto kind = parse_kind(table, anchorage.value_or(1));
+  if (!tendon || !anchorage || !kind) return std::nullopt;
   if (const auto length = table.number("length"); length && *anchorage >= *length) {
     table.note("anchorage",
                fmt::format("is {:g} m, and the bolt is {:g} m long: no bolt is gripped so, and none holds anything",
                            *anchorage, *length),
                "give the length that must be gripped beyond the block");
   }
-  const auto kind = parse_kind(table, *anchorage);
-  if (!kind) return std::nullopt;
   if (const auto* cable = std::get_if<stability::Cable>(&*kind)) {
     const double free = cable->free_length.si();
     if (const auto length = table.number("length"); length && free > 0 && free + *anchorage > *length) {
@@ -255,7 +257,8 @@ void parse_rings(const TableReader& table, const std::vector<Excavation>& excava
               guess ? fmt::format("did you mean \"{}\"?", *guess) : "name an [[excavation]] of that kind");
 }
 
-void parse_grid(const TableReader& owner, stability::GridPattern grid, SupportSettings& support) {
+void parse_grid(const Context& context, const TableReader& owner, stability::GridPattern grid,
+                SupportSettings& support) {
   const auto found = owner.sub("grid");
   const auto spacing = owner.pair("spacing");
   if (!owner.has("spacing")) owner.missing("spacing", "add spacing = [across, down the dip], m");
@@ -267,11 +270,10 @@ void parse_grid(const TableReader& owner, stability::GridPattern grid, SupportSe
   const auto dip = table.need_number("dip"), direction = table.need_number("dip_direction");
   const auto width = table.need_number("width"), height = table.need_number("height");
   if (!corner || !dip || !direction || !width || !height || !spacing) return;
-  const Vec3 normal =
-      geometry::upward_normal({Dip::degrees(*dip), DipDirection::degrees(*direction == 360 ? 0 : *direction)});
-  const double a = *direction * (3.14159265358979323846 / 180), d = *dip * (3.14159265358979323846 / 180);
+  const geometry::Attitude plane{Dip::degrees(*dip), context.turned(*direction)};
+  const Vec3 normal = geometry::upward_normal(plane);
   grid.corner = *corner;
-  grid.down = {std::cos(d) * std::sin(a), std::cos(d) * std::cos(a), -std::sin(d)};
+  grid.down = geometry::dip_vector(plane);
   grid.across = geometry::cross(normal, grid.down);
   grid.width = metres(*width);
   grid.height = metres(*height);
@@ -281,8 +283,8 @@ void parse_grid(const TableReader& owner, stability::GridPattern grid, SupportSe
   grid.offset_down = metres(offset ? (*offset)[1] : 0);
   grid.stagger = owner.flag("stagger");
   if (plunge) {
-    const double p = *plunge * (3.14159265358979323846 / 180);
-    grid.direction = {-std::cos(p) * std::sin(a), -std::cos(p) * std::cos(a), -std::sin(p)};
+    const double trend = geometry::wrap_degrees(plane.direction.degrees() + 180);
+    grid.direction = geometry::line_vector({geometry::Trend::degrees(trend), geometry::Plunge::degrees(*plunge)});
   } else {
     grid.direction = -normal;
   }
@@ -295,7 +297,8 @@ void parse_grid(const TableReader& owner, stability::GridPattern grid, SupportSe
   support.patterns.emplace_back(grid);
 }
 
-void parse_bolts(const TableReader& root, const std::vector<Excavation>& excavations, SupportSettings& support) {
+void parse_bolts(const Context& context, const TableReader& root, const std::vector<Excavation>& excavations,
+                 SupportSettings& support) {
   const std::vector<TableReader> tables = root.each("bolts");
   std::uint32_t last_stage = 1;
   for (const Excavation& excavation : excavations) last_stage = std::max(last_stage, excavation.stage);
@@ -336,7 +339,7 @@ void parse_bolts(const TableReader& root, const std::vector<Excavation>& excavat
       grid.type = t;
       grid.group = group;
       grid.after_stage = stage.value_or(0);
-      parse_grid(table, grid, support);
+      parse_grid(context, table, grid, support);
     } else {
       misused({"spacing", "offset", "arc", "inclination", "stagger", "plunge"});
       const auto at = table.points("at");
@@ -458,18 +461,21 @@ const KeyTable& support_keys() {
           {"key_only", key::flag(), "false", "true: only blocks that need support are stitched together"},
           {"design", key::table(&design_keys), "",
            "for each length the widest multiple of the patterns' spacings at which every one of `phases` offsets "
-           "passes both steps; then what share of offsets drawn at random fails, below"}}};
+           "passes both steps; then what share of offsets drawn at random fails, below. A block that no bolt can meet "
+           "makes "
+           "every pattern fail: give `shotcrete` and leave crumbs out by `[micro_blocks]`"}}};
   return keys;
 }
 
-std::optional<SupportSettings> parse_support(const TableReader& root, const std::vector<Excavation>& excavations,
+std::optional<SupportSettings> parse_support(const Context& context, const TableReader& root,
+                                             const std::vector<Excavation>& excavations,
                                              const std::optional<StabilitySettings>& stability) {
   const auto found = root.sub("support");
   if (!found) return std::nullopt;
   const TableReader& table = *found;
   SupportSettings support;
   support.line = table.line();
-  parse_bolts(table, excavations, support);
+  parse_bolts(context, table, excavations, support);
   note_twice(table, support);
   parse_spot(table, support);
   parse_shotcrete(table, support);

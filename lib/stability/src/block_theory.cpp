@@ -59,6 +59,7 @@ void MaximumBlock::scale(double factor) {
   face_area *= factor * factor;
   face_vector = factor * factor * face_vector;
   height *= factor;
+  for (std::size_t k = 0; k < 2; ++k) apex[k] = foot[k] + factor * (apex[k] - foot[k]);
   for (double& t : traces) t *= factor;
   for (double& e : extents) e *= factor;
 }
@@ -182,7 +183,10 @@ std::optional<MaximumBlock> maximum_block(std::span<const Direction> planes, std
     const double distance = dot(apex - p, out);
     const Vec3 edge = q - p;
     const double t = std::clamp(dot(apex - p, edge) / dot(edge, edge), 0.0, 1.0);
-    block.height = std::min(block.height, norm(apex - p - t * edge));
+    if (const double away = norm(apex - p - t * edge); away < block.height) {
+      block.height = away;
+      block.foot = {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])};
+    }
     if (distance <= 0) continue;  // the apex does not see this side
     Convex wall{p - reach_along * tunnel.axis, q - reach_along * tunnel.axis, q + reach_along * tunnel.axis,
                 p + reach_along * tunnel.axis};

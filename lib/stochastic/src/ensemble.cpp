@@ -55,11 +55,12 @@ Ensemble::Ensemble(EnsembleOptions options)
   running_index_ = static_cast<std::size_t>(running - quantities().data());
 }
 
-namespace {
-
-/// With what load cases are counted by.
-Record as_record(const CaseTally& c) {
+Record under_case(const Record& of, std::size_t number) {
+  const CaseTally c = number < of.cases.size() ? of.cases[number] : CaseTally{};
   Record record;
+  record.realization = of.realization;
+  record.outcome = of.outcome;
+  record.joints = of.joints;
   record.all.count = c.count;
   record.all.volume_m3 = c.volume.si();
   record.all.largest_m3 = c.largest.si();
@@ -70,8 +71,6 @@ Record as_record(const CaseTally& c) {
   record.tapered = c.tapered;
   return record;
 }
-
-}  // namespace
 
 /// All that is averaged, one realization's share of it; `add_unit` takes them in the same order.
 std::vector<double> Ensemble::numbers_of(const Record& record) const {
@@ -121,7 +120,7 @@ std::vector<double> Ensemble::numbers_of(const Record& record) const {
     numbers.push_back(static_cast<std::size_t>(least - record.orders.begin()) == i ? 1 : 0);
   }
   for (std::size_t i = 0; i < cases_.size(); ++i) {
-    const Record under = as_record(i < record.cases.size() ? record.cases[i] : CaseTally{});
+    const Record under = under_case(record, i);
     for (const Quantity& q : quantities()) {
       if (of_case(q)) numbers.push_back(q.of(under));
     }

@@ -201,7 +201,7 @@ void Ensemble::add_estimates(Figures& figures) const {
   if (options_.stability && options_.tunnel_length_m) {
     for (const std::string_view name : {"support_force_n", "support_force_transferred_n", "key_block_volume_m3"}) {
       Estimate e = estimate(std::string{name} + "_per_metre", moments(name), tails_[index_of(name)], Method::mean);
-      const double metres = *options_.tunnel_length_m;
+      const double metres = metres_in_rock();
       for (double* value : {&e.mean, &e.standard_error, &e.low, &e.high, &e.std, &e.smallest, &e.largest}) {
         *value /= metres;
       }
@@ -251,8 +251,8 @@ void Ensemble::add_exceedances(Figures& figures) const {
                  .by_chainage = {},
                  .by_chainage_interval = {}};
     if (options_.tunnel_length_m) {
-      e.per_metre = e.number / *options_.tunnel_length_m;
-      e.per_metre_standard_error = e.number_standard_error / *options_.tunnel_length_m;
+      e.per_metre = e.number / metres_in_rock();
+      e.per_metre_standard_error = e.number_standard_error / metres_in_rock();
     }
     for (const Moments& hits : chainage_[i]) {
       e.by_chainage.push_back(probability_of(hits));
@@ -355,7 +355,7 @@ void Ensemble::add_border(Figures& figures) const {
   figures.middle_fixed_share = middle;
   // What the ends lose beyond what the sides hold everywhere, as a length.
   const double ends = middle < 1 ? std::max(0.0, figures.free_area_fixed_share - middle) / (1 - middle) : 0;
-  figures.guard_length_m = 0.5 * *options_.tunnel_length_m * ends;
+  figures.guard_length_m = 0.5 * metres_in_rock() * ends;
 }
 
 void Ensemble::add_factors(Figures& figures) const {

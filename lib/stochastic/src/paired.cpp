@@ -30,6 +30,8 @@ void PairedComparison::add(const Record& first, const Record& second) {
     sums_.assign(sums_.size(), {});
   }
   for (std::size_t i = 0; i < sums_.size(); ++i) {
+    quantities_[i].in_first |= quantities()[i].asked_in(first);
+    quantities_[i].in_second |= quantities()[i].asked_in(second);
     sums_[i].first += quantities()[i].of(first);
     sums_[i].second += quantities()[i].of(second);
   }
@@ -49,12 +51,23 @@ void PairedComparison::finish_unit() {
   in_unit_ = 0;
 }
 
-std::vector<PairedEstimate> PairedComparison::estimates(double confidence) const {
+PairedComparison::OnlyInOne PairedComparison::only_in_one() const {
+  OnlyInOne out;
+  for (std::size_t i = 0; i < quantities_.size(); ++i) {
+    const Paired& p = quantities_[i];
+    if (p.in_first != p.in_second) (p.in_first ? out.first : out.second).emplace_back(quantities()[i].name);
+  }
+  return out;
+}
+
+std::vector<PairedEstimate> PairedComparison::estimates(double confidence, bool by_case) const {
   std::vector<PairedEstimate> rows;
   for (std::size_t i = 0; i < quantities_.size(); ++i) {
     const Paired& p = quantities_[i];
     const std::uint64_t n = p.difference.count();
-    // What neither design has (no support, not all blocks cut) is no row.
+    if (by_case && !quantities()[i].by_case) continue;
+    // What one design alone was asked for is no row, nor is what neither has (no support, not all blocks cut).
+    if (p.in_first != p.in_second) continue;
     const bool nothing =
         p.first.largest() == 0 && p.first.smallest() == 0 && p.second.largest() == 0 && p.second.smallest() == 0;
     if (n < 2 || nothing || !std::isfinite(p.sum.mean())) continue;

@@ -25,6 +25,13 @@ double clamped_volume(const Record& r) { return r.clamped ? r.all.volume_m3 - r.
 
 }  // namespace
 
+bool Quantity::asked_in(const Record& record) const noexcept {
+  if (whole_system && !record.whole) return false;
+  if (clamped && !record.clamped) return false;
+  if (support) return record.support && (!groups || record.support->groups);
+  return !groups || record.groups.has_value();
+}
+
 const std::vector<Quantity>& quantities() {
   static const std::vector<Quantity> all{
       by_case({"key_block_volume_m3", [](const Record& r) { return r.all.volume_m3; }, true, false, true}),

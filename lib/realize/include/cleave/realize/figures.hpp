@@ -345,6 +345,8 @@ struct DesignResult {
   /// The block that decides: misses its target at the most of these offsets; where none fails, with the least factor
   /// over target. Where no pattern is found, of the tightest one.
   std::optional<std::uint32_t> governing = {};
+  Volume governing_volume = {};
+  bool at_widest = false;  ///< the widest that `scale` lets the search try holds
   /// Blocks judged together at the spacing found, at the worst of the places tried; empty where they were not.
   std::optional<SupportedGroupFigures> groups = {};
 };
@@ -362,6 +364,8 @@ void fields(V& v, const DesignResult& x) {
   v("failing_share_low", x.failing_share[0], "95 % interval of the share of offsets that fail");
   v("failing_share_high", x.failing_share[1]);
   v("governing_block", x.governing, "misses its target most often, or has the least margin");
+  v("governing_volume_m3", when(x.governing.has_value(), x.governing_volume), "of that block");
+  v("at_widest", x.at_widest, "true: the widest spacing that `scale` lets the search try holds, so it is no optimum");
   v("spot_bolts", x.spot_bolts, "beside the pattern, where `spot` counts them");
   supported_groups_field(v, x.groups);
 }
@@ -485,7 +489,8 @@ void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_
     "sum over these blocks of the least single force, nothing for groups; null: none is enough");
   v("required_force_reason", when(!std::isfinite(x.required_force_n), "no single force is enough for a block"));
   v("required_force_n_per_metre",
-    when(tunnel_length.has_value(), or_null(x.required_force_n / tunnel_length.value_or(metres(1)).si())), "of tunnel");
+    when(tunnel_length.has_value(), or_null(x.required_force_n / tunnel_length.value_or(metres(1)).si())),
+    "of tunnel in the rock");
   v("largest_required_pressure_pa", or_null(x.largest_required_pressure_pa),
     "that 95 % of the free faces below their target need at the neediest place of `pressures`; null: none is enough");
   v("largest_required_pressure_reason",

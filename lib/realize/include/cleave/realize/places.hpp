@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cleave/geometry/orientation.hpp"
 #include "cleave/geometry/tunnel.hpp"
 #include "cleave/realize/run_result.hpp"
 
@@ -45,9 +46,11 @@ struct GroupPlace {
 [[nodiscard]] bool at_shaft(const geometry::SectionFrame& section);
 /// What lies this way from the axis: "roof", "floor", "left wall", "right wall", looking along it; at a shaft "north
 /// wall", "east wall", "south wall", "west wall".
-[[nodiscard]] std::string_view location_of(const geometry::SectionFrame& section, geometry::Vec3 away);
+[[nodiscard]] std::string_view location_of(const geometry::SectionFrame& section, geometry::Vec3 away,
+                                           geometry::North north = geometry::North::degrees(0));
 /// The same in eighths: "roof", "upper right", "right", ...; "north", "northeast", ...
-[[nodiscard]] std::string_view position_of(const geometry::SectionFrame& section, geometry::Vec3 away);
+[[nodiscard]] std::string_view position_of(const geometry::SectionFrame& section, geometry::Vec3 away,
+                                           geometry::North north = geometry::North::degrees(0));
 /// Hours on the face of a clock: in (0, 12], 12 in the direction of the section's `up`, 3 on the right.
 [[nodiscard]] double clock_of(const geometry::SectionFrame& section, geometry::Vec3 away);
 

@@ -324,7 +324,7 @@ struct RunResult : Realization, ResultHead {
   std::vector<ExcavationInfo> excavations = {};  ///< as many as input.excavations, same order
   MicroBlocks micro_blocks = {};                 ///< the scene's policy
   std::vector<std::string> bolt_groups = {};     ///< names, by Bolt::group
-  std::optional<Length> tunnel_length = {};      ///< of all tunnels; empty where there is none
+  std::optional<Length> tunnel_length = {};      ///< in the rock, of all tunnels; empty: there is none
 
   Figures figures = {};  ///< `count` of all that
 };

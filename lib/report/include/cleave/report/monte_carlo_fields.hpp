@@ -270,8 +270,12 @@ void fields(V& v, const MonteCarloPage& x) {
       w("guard_length_m", f.guard_length_m, "lost at each end of the tunnel to blocks that the domain holds");
       w("factors_of_safety", f.factors, "distribution over the blocks that would move without friction");
       w("pressure_exceedance", f.pressures, "of what has to be held");
-      w("surface_blocks_fixed_share", f.surface_fixed_share);
-      w("key_volume_beside_fixed_share", f.beside_fixed_share);
+      w("surface_blocks_fixed_share", f.surface_fixed_share,
+        "of blocks with a free face, those that a side of the domain that is not free may hold: a larger domain may "
+        "lay "
+        "them bare");
+      w("key_volume_beside_fixed_share", f.beside_fixed_share,
+        "of the volume of key blocks, that of those beside such a block");
       w("notes", f.notes);
       w("hash", f.hash);
     }),

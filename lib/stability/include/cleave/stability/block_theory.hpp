@@ -176,10 +176,12 @@ struct MaximumBlock {
   double face_area = 0;          ///< m2 of the tunnel's wall
   geometry::Vec3 face_vector{};  ///< m2: the wall's parts times their normals into the rock, summed up
   double height = 0;             ///< m, apex to the nearest point of the section
+  std::array<double, 2> foot{};  ///< (u, v) m, that point
   /// By plane, m: its trace on the wall, and the largest extent of its joint face.
   std::vector<double> traces = {}, extents = {};
 
-  /// All lengths times `factor`: the block of the same shape at the same side, its apex nearer to the wall.
+  /// All lengths times `factor`, seen from `foot`: the block of the same shape at the same side, its apex nearer to the
+  /// wall.
   void scale(double factor);
 };
 /// Empty where the pyramid is empty, holds the axis, or sees the section from all round.

@@ -28,6 +28,8 @@ struct Quantity {
   bool clamped = false;      ///< needs the stress across joints
   bool by_slivers = false;   ///< hangs on the thinnest block met: means do not settle
   bool by_case = false;      ///< given for each load case as well
+  /// Whether the scene of this record asks for it.
+  [[nodiscard]] bool asked_in(const Record& record) const noexcept;
 };
 [[nodiscard]] const std::vector<Quantity>& quantities();
 /// The quantity of a scene's word: with or without its unit ("key_block_volume", "key_block_volume_m3").
@@ -205,6 +207,7 @@ struct EnsembleOptions {
   double confidence = 0.95;
   std::vector<double> volumes_m3;
   std::optional<double> tunnel_length_m;
+  std::optional<Length> tunnel_in_rock = {};  ///< what of it removes rock; empty: all
   /// Of all rock there is: no mean of volumes lies above, however long their tail.
   std::optional<Volume> rock = {};
   std::uint32_t chainage_parts = 0;
@@ -311,6 +314,9 @@ class Ensemble final {
   void add_quantiles(Figures& figures) const;
   void add_exceedances(Figures& figures) const;
   void add_border(Figures& figures) const;
+  [[nodiscard]] double metres_in_rock() const {
+    return options_.tunnel_in_rock ? options_.tunnel_in_rock->si() : options_.tunnel_length_m.value_or(1);
+  }
   void add_factors(Figures& figures) const;
   void add_pressures(Figures& figures) const;
   void add_notes(Figures& figures) const;

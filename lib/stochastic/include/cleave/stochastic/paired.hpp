@@ -37,14 +37,21 @@ class PairedComparison final {
   /// Realizations in which the designs do not have as many joints: then their random numbers are not those of the same
   /// rock.
   [[nodiscard]] std::uint64_t other_joints() const noexcept { return other_joints_; }
-  [[nodiscard]] std::vector<PairedEstimate> estimates(double confidence) const;
+  /// Of what both were asked for; `by_case`: only of what load cases have.
+  [[nodiscard]] std::vector<PairedEstimate> estimates(double confidence, bool by_case = false) const;
+  /// Quantities that one of the two alone was asked for, by name.
+  struct OnlyInOne {
+    std::vector<std::string> first, second;
+  };
+  [[nodiscard]] OnlyInOne only_in_one() const;
 
  private:
   struct Sums {
     double first = 0, second = 0;
   };
   struct Paired {
-    Moments first, second, difference, sum;  // the sum gives the covariance
+    Moments first, second, difference, sum;    // the sum gives the covariance
+    bool in_first = false, in_second = false;  // asked for
   };
   void finish_unit();
 

@@ -205,6 +205,9 @@ struct Record {
   friend bool operator==(const Record&, const Record&) = default;
 };
 
+/// What quantities by load case are counted by: the realization under the load case of this number.
+[[nodiscard]] Record under_case(const Record& record, std::size_t number);
+
 /// One line without its end: numbers as shortest round trip, and a checksum (CRC-32 of what stands before it) last.
 [[nodiscard]] std::string line_of(const Record& record);
 /// Empty when the line is not whole or its checksum does not fit.
