@@ -40,13 +40,13 @@ CLEAVE_FUZZ_TARGET(input) {
     if (!world.step()) std::abort();
   }
   const std::string saved = world.saved();
-  std::string inside{unsealed("cleave-world", 2, saved).value()};
+  std::string inside{unsealed("cleave-world", 3, saved).value()};
   for (std::size_t k = bytes.up_to(7); k > 0; --k) {
     const std::size_t at = bytes.u64() % inside.size();
     inside[at] = static_cast<char>(bytes.byte());
   }
   if (bytes.up_to(7) == 0) inside.resize(bytes.u64() % inside.size());
-  const std::string forged = sealed("cleave-world", 2, inside);
+  const std::string forged = sealed("cleave-world", 3, inside);
   dbem::World other = pile();
   const bool raw = bytes.up_to(7) == 0;
   if (!other.restore(raw ? std::string{inside} : forged)) {

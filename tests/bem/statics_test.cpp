@@ -396,10 +396,23 @@ TEST(Refusals, NameTheOffender) {
     return Problem{
         .regions = {Region{"b", m, {testing::rectangle({0, 0}, {1, 1}, which, {1, 1, 1, 1})}, std::move(c)}}};
   };
+  // A side of one constant element is held in its middle: more of them hold the body, and that is said.
+  const Problem base = square({free_surface(), clamped()}, {1, 0, 0, 0});
+  for (const bool finer : {false, true}) {
+    Options constant;
+    constant.mesh.order = Order::constant;
+    constant.mesh.subdivide = finer ? 2 : 1;
+    const auto held = solve(base, constant);
+    EXPECT_EQ(held.has_value(), finer);
+    if (held) continue;
+    EXPECT_TRUE(std::get<FreeMotions>(held.error()).finer_holds);
+    EXPECT_NE(describe(held.error()).find("use two or more elements"), std::string::npos) << describe(held.error());
+  }
   // A roller at the base leaves sliding free.
   const auto sliding = solve(square({free_surface(), roller()}, {1, 0, 0, 0}), {});
   ASSERT_FALSE(sliding.has_value());
   EXPECT_EQ(std::get<FreeMotions>(sliding.error()).motions, std::vector<std::string>{"translation along (1, 0)"});
+  EXPECT_FALSE(std::get<FreeMotions>(sliding.error()).finer_holds);
   // Rollers all around a circle leave its turning free.
   Problem wheel{.regions = {Region{"w", m, {circle({2, 3}, 1, false, 0, 8)}, {roller()}}}};
   const auto turning = solve(wheel, {});

@@ -214,14 +214,14 @@ TEST(SavedTest, ForgedBytesAreRefusedOrAreAWorld) {
   World world = setup.made();
   for (int k = 0; k < 5; ++k) ASSERT_TRUE(world.step().has_value());
   const std::string saved = world.saved();
-  const std::string whole{unsealed("cleave-world", 2, saved).value()};
+  const std::string whole{unsealed("cleave-world", 3, saved).value()};
   std::size_t refused = 0, taken = 0;
   for (std::size_t k = 0; k < whole.size(); ++k) {
     for (const int bit : {0x01, 0x80}) {
       std::string bytes = whole;
       bytes[k] = static_cast<char>(bytes[k] ^ bit);
       World other = setup.made();
-      const bool good = other.restore(sealed("cleave-world", 2, bytes)).has_value();
+      const bool good = other.restore(sealed("cleave-world", 3, bytes)).has_value();
       (good ? taken : refused) += 1;
       if (!good) continue;
       World again = setup.made();  // the first step of the options is this world's own
@@ -229,7 +229,7 @@ TEST(SavedTest, ForgedBytesAreRefusedOrAreAWorld) {
       EXPECT_TRUE(again.saved() == other.saved()) << k;
     }
     const std::string shorter = whole.substr(0, k);
-    EXPECT_FALSE(setup.made().restore(sealed("cleave-world", 2, shorter)).has_value());
+    EXPECT_FALSE(setup.made().restore(sealed("cleave-world", 3, shorter)).has_value());
   }
   EXPECT_GT(refused, 100U);
   EXPECT_GT(taken, 100U);

@@ -16,6 +16,12 @@ std::string describe(const SolveError& error) {
           [](const FreeMotions& e) {
             std::string list;
             for (const std::string& motion : e.motions) list += (list.empty() ? "" : ", ") + motion;
+            if (e.finer_holds) {
+              return fmt::format(
+                  "constant elements are held in their middles, which leaves {} free; use two or more elements on the "
+                  "sides that are held, or order = \"quadratic\"",
+                  list);
+            }
             return fmt::format("the supports do not hold the body against {}; support it, or let it be restrained",
                                list);
           },

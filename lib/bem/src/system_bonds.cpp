@@ -94,15 +94,19 @@ std::optional<SolveError> SystemBuilder::check_supports() {
   }
   for (std::size_t root = 0; root < system_.regions.size(); ++root) {
     if (bodies.find(root) != root) continue;
-    std::vector<std::array<double, 3>> rows;
+    std::vector<std::array<double, 3>> rows, of_ends;
     for (const SideGroup& g : groups_) {
       if (bodies.find(g.region) != root || g.condition->bonded) continue;
       const auto axes = g.axes();
-      const Vec2 x = 4 * system_.regions[g.region].mesh.nodes[g.node].x;  // about 1 at the body's ends
+      const Mesh& mesh = system_.regions[g.region].mesh;
+      const Vec2 x = 4 * mesh.nodes[g.node].x;  // about 1 at the body's ends
       for (std::size_t k = 0; k < 2; ++k) {
         const Component& c = g.condition->component[k];
-        if (c.given == Given::displacement || (c.given == Given::spring && c.stiffness > 0)) {
-          rows.push_back({axes[k].x, axes[k].y, cross(x, axes[k])});
+        if (c.given != Given::displacement && (c.given != Given::spring || !(c.stiffness > 0))) continue;
+        rows.push_back({axes[k].x, axes[k].y, cross(x, axes[k])});
+        for (const double end : {-1.0, 1.0}) {
+          const Vec2 at = 4 * mesh.elements[mesh.nodes[g.node].uses.front().element].at(end);
+          of_ends.push_back({axes[k].x, axes[k].y, cross(at, axes[k])});
         }
       }
     }
@@ -114,6 +118,7 @@ std::optional<SolveError> SystemBuilder::check_supports() {
       continue;
     }
     FreeMotions error;
+    error.finer_holds = options_.mesh.order == Order::constant && free_motions(of_ends).empty();
     for (const auto& m : motions) {
       if (std::abs(m[2]) < 1e-6) {
         error.motions.push_back(fmt::format("translation along ({:.3g}, {:.3g})", m[0] + 0.0, m[1] + 0.0));

@@ -71,7 +71,8 @@ struct Line {
 };
 
 Line line_of(const Placed& i, std::size_t vertex, const Placed& j, std::size_t edge, Vec2 motion) {
-  const ContactCandidate t = touch_of(i, vertex, j, edge);
+  ContactCandidate t = touch_of(i, vertex, j, edge);
+  t.met = true;
   return {t, against(j.corners, edge, i.corners[vertex]).ratio, t.gap + dot(t.normal, motion)};
 }
 
@@ -159,7 +160,8 @@ void one_direction(const Placed& i, const Placed& j, const Reach& reach, const D
   std::vector<Candidate> found;
   for (std::size_t v = 0; v < i.corners.size(); ++v) {
     const Vec2 p = i.corners[v];
-    if (i.sharp[v] == 0 || !in_box(j.box, p, std::max(margin, near))) continue;
+    // Corners that springs have pressed past each other lie out of the box, too.
+    if (i.sharp[v] == 0 || !in_box(j.box, p, std::max({margin, near, corner}))) continue;
     std::size_t close = n;
     double closest = reach.corner;
     for (std::size_t q = 0; q < n; ++q) {

@@ -42,6 +42,8 @@ struct ContactCandidate {
   /// Not a contact but a bar: `normal` points from its end on `i` to that on `j`, `gap` is by how much it is slack;
   /// `vertex` and `edge` are the edges its ends lie nearest to.
   std::uint32_t tie = no_tie;
+  /// Two corners that are one place: the edge is one of the two at the other corner, and this their only contact.
+  bool met = false;
   friend bool operator==(const ContactCandidate&, const ContactCandidate&) = default;
 };
 

@@ -19,7 +19,7 @@ void archive(A& a, Archived<BodyPair> auto& p) {
 }
 template <class A>
 void archive(A& a, Archived<ContactCandidate> auto& t) {
-  a(t.i, t.vertex, t.j, t.edge, t.gap, t.ratio, t.normal, t.point, t.tilt);
+  a(t.i, t.vertex, t.j, t.edge, t.gap, t.ratio, t.normal, t.point, t.tilt, t.met);
 }
 template <class A>
 void archive(A& a, Archived<Bar> auto& b) {
@@ -82,7 +82,7 @@ void archive(A& a, const Body& b) {
 namespace {
 
 constexpr std::string_view world_kind = "cleave-world";
-constexpr std::uint32_t version_of_saved = 2;
+constexpr std::uint32_t version_of_saved = 3;
 
 std::string identity_of(const World::Impl& w) {
   ArchiveWriter a;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "world_impl.hpp"
 
@@ -45,30 +46,47 @@ std::optional<double> own_share(const Body& body, std::span<const Vec2> corners,
   return is_stretch(before) ? std::optional{1 - body.shares[before]} : std::nullopt;
 }
 
+/// A corner on an edge.
+struct Touch {
+  std::size_t vertex, edge;
+  bool met;  ///< with the corner at the nearer end of the edge: the side beyond that is the joint, too
+};
+
 /// Length of the joint that a contact stands for: its share of the way to the next corner of either body along it, on
 /// either side, where the side of the corner lies nearly along the edge; of a corner that touches alone `alone`.
 template <class Share>
-double length_of(const Outline& own, std::size_t vertex, const Outline& other, std::size_t edge, double alone,
-                 const Share& share) {
-  constexpr double nearly = 0.5, in_line = 1e-3;
-  const std::size_t n = own.corners.size(), next = (edge + 1) % other.corners.size();
-  const Vec2 p = own.corners[vertex], from = other.corners[edge], to = other.corners[next];
+double length_of(const Outline& own, const Outline& other, const Touch& touch, double alone, const Share& share) {
+  constexpr double nearly = 0.5, in_line = 1e-3, facing = 2e-2;
+  const std::size_t n = own.corners.size(), m = other.corners.size(), next = (touch.edge + 1) % m;
+  const Vec2 p = own.corners[touch.vertex], from = other.corners[touch.edge], to = other.corners[next];
   const double size = norm(to - from);
   const Vec2 along = (to - from) / size;
-  const auto left_of_edge = [&](std::size_t end, bool forwards) {
+  const bool at_start = dot(p - from, along) < 0.5 * size;
+  // Of a side of the corner and of the other body from the corner on: the lengths of both.
+  const auto on_its_edge = [&](bool forwards, Vec2 side) {
+    const bool ahead = dot(side, along) > 0;
+    const std::size_t end = ahead ? next : touch.edge;
     const double left = std::abs(dot(other.corners[end] - p, along));
     // The corner may lie over the end of its edge.
     const bool on = other.sharp[end] == 0 || left < 1e-6 * size;
-    return left + (on ? goes_on(other, end, forwards, along, in_line) : 0.0);
+    return std::pair{goes_on(own, touch.vertex, forwards, along, nearly),
+                     left + (on ? goes_on(other, end, ahead, along, in_line) : 0.0)};
+  };
+  // Springs press corners past each other: what has met stays so, however far the one lies off the other.
+  const auto past_end = [&](bool forwards, Vec2 side) {
+    const std::size_t end = at_start ? touch.edge : next, after = at_start ? (end + m - 1) % m : (end + 1) % m;
+    const Vec2 step = other.corners[after] - other.corners[end], way = step / norm(step);
+    if (dot(side, way) <= 0) return std::pair{0.0, 0.0};
+    return std::pair{goes_on(own, touch.vertex, forwards, way, facing),
+                     dot(other.corners[end] - p, way) + goes_on(other, end, !at_start, way, facing)};
   };
   double length = 0;
   for (const bool forwards : {true, false}) {
-    const double reach = goes_on(own, vertex, forwards, along, nearly);
-    if (reach <= 0) continue;
-    const Vec2 side = own.corners[forwards ? (vertex + 1) % n : (vertex + n - 1) % n] - p;
-    const double left = dot(side, along) > 0 ? left_of_edge(next, true) : left_of_edge(edge, false);
+    const Vec2 side = own.corners[forwards ? (touch.vertex + 1) % n : (touch.vertex + n - 1) % n] - p;
+    const bool past = touch.met && (dot(side, along) > 0) != at_start;
+    const auto [reach, left] = past ? past_end(forwards, side) : on_its_edge(forwards, side);
     const double whole = std::min(reach, left);
-    length += share(side / norm(side), whole) * whole;
+    if (whole > 0) length += share(side / norm(side), whole) * whole;
   }
   return std::max(length, alone);
 }
@@ -98,8 +116,8 @@ Vec2 JointState::compliance_of(const ContactCandidate& t) const {
   if (!law.normal_stiffness && !law.shear_stiffness) return {law.compliance, law.compliance};
   const double alone = length_alone * std::min(shapes[t.i].feature, shapes[t.j].feature);
   const double length =
-      length_of({corners_of(corners, t.i), shapes[t.i].sharp}, t.vertex, {corners_of(corners, t.j), shapes[t.j].sharp},
-                t.edge, alone, [&](Vec2 along, double whole) { return share_of(t, along, whole); });
+      length_of({corners_of(corners, t.i), shapes[t.i].sharp}, {corners_of(corners, t.j), shapes[t.j].sharp},
+                {t.vertex, t.edge, t.met}, alone, [&](Vec2 along, double whole) { return share_of(t, along, whole); });
   return {law.normal_stiffness ? 1 / (*law.normal_stiffness * length) : 0.0,
           law.shear_stiffness ? 1 / (*law.shear_stiffness * length) : 0.0};
 }

@@ -37,7 +37,8 @@ double share_to_come(double ratio, Course course) {
   if (course == Course::moving) return std::max(ratio, doubtful);
   // At rest the order shows, but on coarse meshes not yet: half as much again, no faster than a third order and, where
   // the meshes are surely too coarse to tell, as was seen.
-  constexpr double margin = 1.5, third_order = 0.125, coarse = 0.3;
+  constexpr double margin = 1.5, third_order = 0.125, coarse = 0.3, no_order = 0.6;
+  if (course == Course::at_rest_coarse) return std::max(no_order, ratio);
   return std::max({third_order, ratio, std::min(margin * ratio, coarse)});
 }
 

@@ -38,8 +38,9 @@ std::vector<std::vector<Value>> along(const bem::Mesh& mesh, const At& at) {
 [[nodiscard]] std::array<double, 3> principal(bem::Sym2 in_plane, double out_of_plane);
 
 /// What a series of runs is about. At rest changes fall as the order of the elements and the corners say, moving they
-/// are the worst of many moments and fall by chance now and then.
-enum class Course : std::uint8_t { at_rest, moving };
+/// are the worst of many moments and fall by chance now and then. On very coarse meshes at rest, and next to point
+/// forces, which are spread over an element, no order shows.
+enum class Course : std::uint8_t { at_rest, at_rest_coarse, moving };
 
 /// An estimate of the error, or why there is none.
 struct ErrorEstimate {

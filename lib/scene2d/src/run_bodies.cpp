@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <variant>
 
 #include "body_runs.hpp"
 #include "cleave/bem/statics.hpp"
@@ -76,6 +80,50 @@ std::optional<Problem> add_frequencies(const BodiesScene& scene, unsigned thread
   return std::nullopt;
 }
 
+constexpr std::string_view under_forces =
+    "what moves lies within three elements of a point force, where no mesh settles: make elements smaller";
+
+/// The same on half and a quarter of the elements, or as many doublings as a tolerance asks for.
+std::expected<bem::Refined, bem::SolveError> solve_series(const bem::Problem& problem, bem::Options options,
+                                                          std::optional<double> tolerance) {
+  for (bool again = true;; again = false) {
+    auto refined = bem::solve_to(problem, options, tolerance.value_or(1e-300), tolerance ? 6 : 3);
+    const auto* free = refined ? nullptr : std::get_if<bem::FreeMotions>(&refined.error());
+    // Constant elements that one of them cannot hold: it begins with two.
+    if (!again || free == nullptr || !free->finer_holds) return refined;
+    options.mesh.subdivide *= 2;
+  }
+}
+
+/// The longest straight side, in elements.
+std::size_t most_elements_of_a_side(const bem::Solution& solution) {
+  std::size_t most = 0;
+  for (const auto& part : solution.regions()) {
+    std::size_t in_a_row = 0;
+    for (std::size_t e = 0; e < part.mesh.elements.size(); ++e) {
+      const bem::Element& element = part.mesh.elements[e];
+      if (element.curved) return std::numeric_limits<std::size_t>::max();
+      const bool goes_on =
+          e > 0 && part.mesh.elements[e - 1].side == element.side && part.mesh.elements[e - 1].loop == element.loop;
+      in_a_row = goes_on ? in_a_row + 1 : 1;
+      most = std::max(most, in_a_row);
+    }
+  }
+  return most;
+}
+
+ErrorEstimate estimate_of(const bem::Refined& refined, const bem::Problem& problem) {
+  const std::size_t changes = refined.series.size();
+  if (changes == 0) return {std::nullopt, "there is memory for one mesh only"};
+  const double last = refined.series[changes - 1].error;
+  const double first = changes < 2 ? std::numeric_limits<double>::infinity() : refined.series[changes - 2].error;
+  if (!std::isfinite(last) || (changes > 1 && !std::isfinite(first))) return {std::nullopt, std::string{under_forces}};
+  if (changes < 2) return {last, ""};
+  constexpr std::size_t few = 8;  // elements on a side: an order does not show yet
+  const bool slow = !problem.forces.empty() || most_elements_of_a_side(refined.solution) < few;
+  return estimate_from(first, last, slow ? Course::at_rest_coarse : Course::at_rest);
+}
+
 std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, BodiesResult& result) {
   // Bonded bodies are one problem; others stand alone, each with a dense system of its own.
   std::vector<std::vector<std::size_t>> groups;
@@ -115,7 +163,6 @@ std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, 
     double error = 0;
     const std::string names = group.size() == 1 ? first.name : "bonded bodies";
     const bool refine = scene.tolerance.has_value();
-    // Each result has an estimate: the same on half and a quarter of the elements, or as many doublings as asked.
     bem::Options coarse = options;
     if (!refine && coarse.mesh.element) {
       *coarse.mesh.element *= 2;
@@ -128,23 +175,23 @@ std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, 
       }
       coarse.mesh.element = std::max(box.high.x - box.low.x, box.high.y - box.low.y) / 4;
     }
-    auto refined =
-        bem::solve_to(problem, refine ? options : coarse, refine ? *scene.tolerance : 1e-300, refine ? 6 : 3);
+    auto refined = solve_series(problem, refine ? options : coarse, scene.tolerance);
     if (!refined) return problem_of(scene, group.front(), describe(refined.error()));
     error = refined->error;
-    const std::size_t changes = refined->series.size();
-    const ErrorEstimate estimate = changes < 2 ? ErrorEstimate{error, ""}
-                                               : estimate_from(refined->series[changes - 2].error,
-                                                               refined->series[changes - 1].error, Course::at_rest);
+    const ErrorEstimate estimate = estimate_of(*refined, problem);
     if (!estimate.error)
       result.notes.push_back(fmt::format("{}: no estimate of the error: {}", names, estimate.why_not));
     if (refine && !refined->reached) {
       result.converged = false;
-      result.stopped_why = fmt::format("{}: the displacement still changes by {:.1e} (asked: {:.1e}) after {} meshes",
-                                       names, error, *scene.tolerance, refined->meshes);
+      result.stopped_why =
+          std::isfinite(error)
+              ? fmt::format("{}: the displacement still changes by {:.1e} (asked: {:.1e}) after {} meshes", names,
+                            error, *scene.tolerance, refined->meshes)
+              : fmt::format("{}: {} meshes cannot be compared (asked: {:.1e}): {}", names, refined->meshes,
+                            *scene.tolerance, under_forces);
     }
     for (const bem::MeshError& mesh : refined->series) {
-      result.trials.push_back({names, mesh.elements, mesh.seconds, mesh.error});
+      if (std::isfinite(mesh.error)) result.trials.push_back({names, mesh.elements, mesh.seconds, mesh.error});
     }
     solution = std::move(refined->solution);
     const bem::Diagnostics& d = solution->diagnostics();

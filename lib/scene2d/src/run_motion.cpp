@@ -17,6 +17,7 @@ struct Mover {
   std::unique_ptr<bem::BlockOperator> block;
   std::unique_ptr<bem::Vibration> vibration;
   std::unique_ptr<bem::FreeMotion> free;
+  bool halves = true;  // half the elements are another mesh
 
   [[nodiscard]] std::expected<void, bem::MotionError> advance() const {
     return vibration ? vibration->advance() : free->advance();
@@ -162,15 +163,24 @@ bool is_too_long(const bem::BlockOperator& block) {
   return extent * extent > 2 * static_cast<double>(block.bubbles().degree) * block.area();
 }
 
+/// What runs of other fineness do not tell of.
+std::string untold(const Mover& mover) {
+  if (is_too_long(*mover.block))
+    return "the body is longer than its inner motions follow: waves as short as it is thick may be wrong";
+  if (!mover.halves) return "its mesh cannot be halved, so runs of all finenesses agree: make elements smaller";
+  return "";
+}
+
 /// Where the nodes of the run's meshes are in a coarser run, at each `every`th step of the run itself: [record][body]
 /// [node]. Empty when that run fails.
 using Track = std::vector<std::vector<std::vector<Vec2>>>;
-Track coarse_track(const BodiesScene& scene, unsigned threads, const std::vector<Mover>& fine, Fineness fineness,
+Track coarse_track(const BodiesScene& scene, unsigned threads, std::vector<Mover>& fine, Fineness fineness,
                    std::uint64_t steps, std::uint64_t every) {
   std::vector<Mover> movers(scene.bodies.size());
   std::vector<std::vector<bem::BoundaryPlace>> places(movers.size());
   for (std::size_t b = 0; b < movers.size(); ++b) {
     if (set_up(scene, b, threads, fineness, movers[b])) return {};
+    if (movers[b].block->mesh().elements.size() >= fine[b].block->mesh().elements.size()) fine[b].halves = false;
     for (const bem::Node& node : fine[b].block->mesh().nodes) places[b].push_back(movers[b].block->place(node.x));
   }
   Track track;
@@ -353,10 +363,8 @@ std::optional<Problem> run_motion(const BodiesScene& scene, unsigned threads, Bo
   count_rebuilds();
   for (std::size_t b = 0; b < movers.size(); ++b) {
     BodyResult& body = result.bodies[b];
-    body.no_estimate = none;
-    if (none.empty() && is_too_long(*movers[b].block)) {
-      body.no_estimate = "the body is longer than its inner motions follow: waves as short as it is thick may be wrong";
-    } else if (none.empty() && moved[b] > 0) {
+    body.no_estimate = none.empty() ? untold(movers[b]) : none;
+    if (body.no_estimate.empty() && moved[b] > 0) {
       const ErrorEstimate estimate = estimate_from(first[b] / moved[b], last[b] / moved[b], Course::moving);
       body.error = estimate.error;
       body.no_estimate = estimate.why_not;

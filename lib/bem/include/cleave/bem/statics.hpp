@@ -24,6 +24,7 @@ struct UnknownCondition {
 /// The supports leave these rigid motions free ("translation along (0, 1)", "rotation about (2, 3)").
 struct FreeMotions {
   std::vector<std::string> motions;
+  bool finer_holds = false;  ///< constant elements are held in their middles: more of them leave nothing free
 };
 struct UnbondedSide {
   std::size_t region, loop, side;
@@ -164,7 +165,9 @@ class Solution final {
 /// A solution with an estimate of its error from meshes of n and 2n elements.
 struct Refined {
   Solution solution;
-  double error = 0;  ///< relative, of displacement: difference to the mesh before over the largest displacement
+  /// Relative, of displacement: difference to the mesh before over the largest displacement. Infinite where all that
+  /// moves lies within three elements of a point force: no mesh settles there, and none counts as good.
+  double error = 0;
   std::size_t meshes = 0;
   bool reached = false;
   std::vector<MeshError> series = {};  ///< from the second mesh on
