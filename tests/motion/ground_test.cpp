@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "worlds.hpp"
@@ -44,6 +46,21 @@ World on_slope(double dip, double dip_direction, double friction, GroundMotion g
   const Turn plane = slope(dip, dip_direction);
   return world({floor(plane), body(moved(block(1, 2, 0.5), plane * Vec3{0, 0, 0.25}, plane))}, friction,
                {.step = step, .ground = std::move(ground)});
+}
+
+// Whatever does not come out finite is no step.
+TEST(Ground, MotionThatIsNoNumberIsRefused) {
+  GroundMotion ground = rectangle({1, 0, 0}, 1);
+  ground.mean = [](double from, double) {
+    return Vec3{from < 0.02 ? 1 : std::numeric_limits<double>::quiet_NaN(), 0, 0};
+  };
+  World w = on_slope(0, 0, 0.05, std::move(ground));
+  while (w.time() < 0.0199) ASSERT_TRUE(w.step(0.005).has_value());
+  const Vec3 reached = w.displacement(1);
+  const auto failed = w.step(0.005);
+  ASSERT_FALSE(failed.has_value());
+  EXPECT_TRUE(describe(failed.error()).contains("is not finite"));
+  EXPECT_EQ(w.displacement(1), reached);
 }
 
 TEST(Ground, ALevelBlockStaysUpToItsFrictionInAnyDirection) {

@@ -1,6 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "cleave/motion/world.hpp"
 #include "shapes.hpp"
@@ -100,6 +105,51 @@ TEST(Mass, WhatIsNoBodyIsRefused) {
   infinite.vertices[0].x = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(mass_properties(infinite).has_value());
   EXPECT_FALSE(mass_properties(block(1, 1, 0)).has_value());
+}
+
+/// A cube of side `side` below the origin on all axes, without a cube of side `notch` at the corner there.
+Polyhedron notched(double side, double notch) {
+  Polyhedron out;
+  const auto number = [&](Vec3 at) {
+    const auto found = std::ranges::find(out.vertices, at);
+    if (found == out.vertices.end()) out.vertices.push_back(at);
+    return static_cast<std::uint32_t>(std::ranges::find(out.vertices, at) - out.vertices.begin());
+  };
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    // Counter-clockwise seen from where the axis goes.
+    const auto add = [&](double along, const std::vector<std::pair<double, double>>& outline, bool back) {
+      std::vector<std::uint32_t> loop;
+      for (const auto& [u, v] : outline) {
+        const std::array<double, 3> at{along, u, v};
+        loop.push_back(number({at.at((3 - axis) % 3), at.at((4 - axis) % 3), at.at((5 - axis) % 3)}));
+      }
+      if (back) std::ranges::reverse(loop);
+      out.facets.push_back({{loop}});
+    };
+    const double s = -side, n = -notch;
+    add(0, {{s, s}, {0, s}, {0, n}, {n, n}, {n, 0}, {s, 0}}, false);
+    add(s, {{s, s}, {0, s}, {0, 0}, {s, 0}}, true);
+    add(n, {{n, n}, {0, n}, {0, 0}, {n, 0}}, false);
+  }
+  return out;
+}
+
+// Facets of a ten-thousandth of a body's size are cut by, too: what fills the notch does not overlap.
+TEST(Mass, ASmallNotchIsRoomForABlock) {
+  for (const double notch : {2.0, 1e-2, 1e-4, 1e-5}) {
+    const auto mass = mass_properties(notched(8, notch));
+    ASSERT_TRUE(mass.has_value());
+    EXPECT_NEAR(mass->volume, 512 - notch * notch * notch, 1e-9);
+    const auto world = World::make(
+        {.bodies = {{.shape = notched(8, notch), .fixed = true}, {.shape = box({-notch, -notch, -notch}, {0, 0, 0})}}},
+        {});
+    EXPECT_TRUE(world.has_value()) << notch << ": " << describe(world.error());
+    const auto inside = World::make({.bodies = {{.shape = notched(8, notch), .fixed = true},
+                                                {.shape = box({-1.1 * notch, -notch, -notch}, {0, 0, 0})}}},
+                                    {});
+    ASSERT_FALSE(inside.has_value()) << notch;
+    EXPECT_EQ(inside.error().bodies, (std::vector<std::uint32_t>{0, 1}));
+  }
 }
 
 }  // namespace

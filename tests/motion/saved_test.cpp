@@ -14,7 +14,7 @@ namespace {
 using namespace worlds;
 
 constexpr std::string_view kind = "cleave-motion-world";
-constexpr std::uint32_t version = 4;
+constexpr std::uint32_t version = 5;
 
 /// A cube that sleeps, and one that comes down on it and wakes it.
 World sleeper() {

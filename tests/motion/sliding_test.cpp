@@ -113,5 +113,34 @@ TEST(Sliding, OnATurntable) {
   }
 }
 
+// What is let go may be all that is free.
+TEST(Sliding, AWorldInWhichNothingIsFreeYetGoesOn) {
+  const Turn plane = slope(40, 90);
+  BodySpec held = body(moved(block(1, 2, 0.5), plane * Vec3{0, 0, 0.25}, plane));
+  held.fixed = true;
+  World w = world({floor(plane), std::move(held)}, 0.3, {.step = 0.01});
+  ASSERT_TRUE(run(w, 0.1));
+  EXPECT_NEAR(w.time(), 0.1, 1e-12);
+  w.set_fixed(1, false);
+  ASSERT_TRUE(run(w, 0.5));
+  const double a = 9.81 * (std::sin(40 * degree) - 0.3 * std::cos(40 * degree));
+  EXPECT_NEAR(norm(w.displacement(1)), 0.5 * a * 0.16, 1e-6);
+}
+
+// What is held while it moves takes its motion along; what it lost of its height stays in the books.
+TEST(Sliding, EnergyOfWhatIsHeldIsCarriedAway) {
+  const Turn plane = slope(40, 90);
+  World w = world({floor(plane), body(moved(block(1, 2, 0.5), plane * Vec3{0, 0, 0.25}, plane))}, 0.3, {.step = 0.01});
+  ASSERT_TRUE(run(w, 0.4));
+  const double mass = w.mass(1), speed = norm(w.velocity(1)), fall = -w.displacement(1).z;
+  const double lost = w.energy().start - w.energy().potential;
+  EXPECT_NEAR(lost, mass * 9.81 * fall, 1e-9 * lost);
+  w.set_fixed(1, true);
+  EXPECT_NEAR(w.energy().carried, 0.5 * mass * speed * speed, 1e-9 * lost);
+  EXPECT_NEAR(w.energy().start - w.energy().potential, lost, 1e-12 * lost);
+  ASSERT_TRUE(run(w, 0.5));
+  EXPECT_EQ(w.energy().kinetic, 0);
+}
+
 }  // namespace
 }  // namespace cleave::motion

@@ -81,6 +81,27 @@ TEST(MotionScene, ATimeTooShortToSeeMotionIsSaid) {
   EXPECT_EQ(says(moved(slab(45, "release = \"all\"\nduration = 0.3\nstep = 0.005\n"))), 0U);
 }
 
+// The verdict of a block that has not moved is not taken back; what motion leaves out is named.
+TEST(MotionScene, KeyBlocksThatStandAreSaid) {
+  const RunResult soon = moved(slab(20, "duration = 0.01\nstep = 0.005\n"));
+  ASSERT_GE(soon.figures.key_blocks->count, 1U);
+  EXPECT_EQ(soon.motion->key_blocks_standing, soon.figures.key_blocks->count);
+  EXPECT_EQ(notes_with(soon, "alone or in groups, did not move by a millimetre: block "), 1U);
+  EXPECT_EQ(notes_with(soon, "The verdict stays, motion is no proof"), 1U);
+  const RunResult late = moved(slab(20, "duration = 0.3\nstep = 0.005\n"));
+  EXPECT_EQ(late.motion->key_blocks_standing, 0U);
+  EXPECT_EQ(notes_with(late, "The verdict stays"), 0U);
+  // It is stable but for the push: the factor is below 1, and motion has no push.
+  std::string pushed = without_groups(slab(45, "duration = 0.3\nstep = 0.005\nerror = false\n"));
+  pushed.insert(pushed.find("[motion]"), "seismic = [0.4, 0, 0]\n[[load]]\nname = \"harder\"\nseismic = [0.5, 0, 0]\n");
+  const RunResult stands = moved(pushed);
+  EXPECT_GE(stands.motion->key_blocks_standing, 1U);
+  EXPECT_TRUE(stands.motion->at_rest);
+  EXPECT_EQ(notes_with(stands, "loads of the verdict that motion leaves out: seismic"), 1U);
+  EXPECT_EQ(notes_with(stands, "are left out: seismic. A block that only these bring down stands"), 1U);
+  EXPECT_EQ(notes_with(stands, "not the load cases \"harder\" (seismic)"), 1U);
+}
+
 TEST(MotionScene, SlidesUnderARecordAsNewmarkSays) {
   const RunResult result = moved(shaken("duration = 4\nstep = 0.002\n[motion.ground.record]\n" + record_of_example()));
   const MotionResult& motion = *result.motion;
@@ -158,6 +179,14 @@ TEST(MotionScene, GroundThatTheRunDoesNotSeeWholeIsSaid) {
   EXPECT_EQ(notes("duration = 0.04\nstep = 0.005\nground = { " + pulse + " }\n", "the ground moves for"), 0);
   const std::string sine = "acceleration = [0.1, 0, 0], time = { kind = \"harmonic\", frequency = 4 }";
   EXPECT_EQ(notes("until = \"rest\"\nduration = 0.02\nground = { " + sine + " }\n", "moves for ever"), 1);
+  // Milliseconds for seconds, and frames that never come.
+  const auto record = [](double step) {
+    return "duration = 80\nground = { record = { step = " + std::to_string(step) + ", x = [0, 1, 0] } }\n";
+  };
+  EXPECT_EQ(notes(record(20), "is 20 s between two values"), 1);
+  EXPECT_EQ(notes(record(0.02), "between two values"), 0);
+  EXPECT_EQ(notes("duration = 0.05\nframe = 1\n", "longer than the duration of 0.05 s"), 1);
+  EXPECT_EQ(notes("duration = 0.05\nframe = 0.05\n", "longer than the duration"), 0);
   const auto wrong = [](const std::string& ground) { return error_of(shaken("ground = { " + ground + " }\n")); };
   EXPECT_NE(wrong("record = { step = 0.1 }").find("motion.ground.record.x: is missing"), std::string::npos);
   EXPECT_NE(wrong("acceleration = [1, 0]").find("motion.ground.acceleration"), std::string::npos);

@@ -50,6 +50,8 @@ void expect_same(const MotionResult& a, const MotionResult& b) {
   EXPECT_EQ(a.walls, b.walls);
   EXPECT_EQ(a.potential_lost, b.potential_lost);
   EXPECT_EQ(a.dissipated, b.dissipated);
+  EXPECT_EQ(a.carried_out, b.carried_out);
+  EXPECT_EQ(a.lifted, b.lifted);
   EXPECT_EQ(a.error, b.error);
   EXPECT_EQ(a.determined, b.determined);
   EXPECT_EQ(a.notes, b.notes);
@@ -61,6 +63,8 @@ void expect_same(const MotionResult& a, const MotionResult& b) {
     EXPECT_EQ(a.blocks[k].centroid, b.blocks[k].centroid);
     EXPECT_EQ(a.blocks[k].first_motion, b.blocks[k].first_motion);
     EXPECT_EQ(a.blocks[k].left, b.blocks[k].left);
+    EXPECT_EQ(a.blocks[k].front, b.blocks[k].front);
+    EXPECT_EQ(a.blocks[k].leaving_speed, b.blocks[k].leaving_speed);
   }
 }
 
@@ -94,6 +98,21 @@ TEST(MotionStateTest, ARunThatWasStoppedIsTheRunThatWasNot) {
 TEST(MotionStateTest, SoItIsOfBlocksThatComeToRest) {
   expect_goes_on(slab("friction = 45\n", "until = \"rest\"\nrelease = \"all\"\nduration = 0.5\nerror = false\n"), 20,
                  {0.5});
+}
+
+TEST(MotionStateTest, SoItIsOfBlocksThatLeave) {
+  const auto box = [](const std::string& corners) {
+    return "[[excavation]]\nkind = \"polyhedron\"\nbox = { " + corners + " }\n";
+  };
+  expect_goes_on(
+      "[domain]\nbox = { min = [0, 0, 0], max = [9, 1, 4.5] }\n"
+      "[[joint]]\nplane = { through = [1, 0, 1], dip = 0, dip_direction = 0 }\n"
+      "[joints.default]\nfriction = 10\n[rock]\ndensity = 2600\n" +
+          box("min = [-1, -1, 1], max = [2, 2, 9]") + box("min = [6, -1, 1], max = [10, 2, 9]") +
+          box("min = [-1, -1, 1.5], max = [10, 2, 9]") +
+          "[stability]\ngroups = \"off\"\nfree = [\"north\", \"south\", \"top\"]\ngravity = [5, 0, -8.5]\n"
+          "[motion]\nrelease = \"all\"\nsurface_friction = 10\nduration = 3\nerror = false\n",
+      200, {0.3, 0.95});
 }
 
 TEST(MotionStateTest, SoItIsWithCohesionThatBreaks) {
@@ -177,8 +196,8 @@ TEST(MotionStateTest, AnotherSceneOrADamagedStateIsRefused) {
   refused(heavier, state, "is of another scene");
   refused(slab("friction = 20\n", "frame = 0.03\n" + motion), state, "is of another scene");
   refused(slab("friction = 20\n", "ground = { acceleration = [0.1, 0, 0] }\n" + motion), state, "is of another scene");
-  const std::string inside{unsealed("cleave-motion-state", 2, state).value()};
-  refused(slab("friction = 20\n", motion), sealed("cleave-motion-state", 2, inside.substr(0, inside.size() - 9)),
+  const std::string inside{unsealed("cleave-motion-state", 3, state).value()};
+  refused(slab("friction = 20\n", motion), sealed("cleave-motion-state", 3, inside.substr(0, inside.size() - 9)),
           "is cut short or damaged");
 }
 

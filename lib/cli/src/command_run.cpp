@@ -72,8 +72,10 @@ ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer&
     return ExitCode::interrupted;
   }
   if (result.complex && result.motion && !result.motion->converged) {
-    print_error(fmt::format("{}:1: motion: {}; the state reached is in the result; try a smaller motion.step",
-                            settings.scene, result.motion->stopped_why));
+    print_error(fmt::format("{}:1: motion: {}; {}", settings.scene, result.motion->stopped_why,
+                            result.motion->refused
+                                ? "shift a joint by a little, another `seed`, or release fewer blocks"
+                                : "the state reached is in the result; try a smaller motion.step"));
     return ExitCode::check_failed;
   }
   if (result.complex && result.motion && result.motion->rough_steps > 0) {

@@ -130,11 +130,21 @@ std::string support_lines(const scene::SupportFigures& support, const std::vecto
   return text;
 }
 
+/// " (at rest)", and what stands against its verdict.
+std::string rest_of(const scene::MotionResult& motion) {
+  std::vector<std::string> said;
+  if (motion.at_rest) said.emplace_back("at rest");
+  if (motion.key_blocks_standing > 0) said.push_back(say("{key_blocks_standing} key blocks stand", motion));
+  return said.empty() ? "" : fmt::format(" ({})", fmt::join(said, ", "));
+}
+
 std::string motion_line(const scene::MotionResult& motion) {
-  return say("motion       {moved} of {released} blocks moved, {end_s:.4g} s", motion) +
-         (motion.at_rest ? " (at rest)" : "") +
+  return say("motion       {moved} of {released} blocks moved, {end_s:.4g} s", motion) + rest_of(motion) +
          say(", {steps} steps, residual {residual:.1e}, energy error {relative_error:.1e}\n", motion) +
-         (motion.bolts.empty() ? "" : say("  {acting} bolts act, {broken} broke, at most {largest_force_n}\n", motion));
+         (motion.bolts.empty() ? ""
+                               : say("  {acting} bolts act, {broken} broke, at most {largest_force_n}\n", motion)) +
+         (motion.left() == 0 ? ""
+                             : say("  {left} blocks left the domain, at most {fastest_left_m_s:.3g} m/s\n", motion));
 }
 
 }  // namespace

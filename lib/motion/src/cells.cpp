@@ -59,18 +59,25 @@ std::optional<std::vector<Sheet>> sheets_of(const Polyhedron& polyhedron) {
   return out;
 }
 
-/// Area of a sheet inside a convex piece (on its border counts), moved by nothing.
-double area_inside(const Sheet& sheet, const Piece& piece, double tolerance) {
+struct Part {
+  double area = 0, extent = 0;
+};
+/// Of a sheet what is inside a convex piece (on its border counts), moved by nothing.
+Part part_inside(const Sheet& sheet, const Piece& piece, double tolerance) {
   Vec3 area;
+  Part part;
   for (const auto& loop : sheet.loops) {
     std::vector<Vec3> left = loop;
     for (const auto& polygon : piece.polygons) {
       if (left.empty()) break;
       left = clip_loop(left, polygon.normal, dot(polygon.normal, polygon.corners[0]) + tolerance);
     }
-    if (left.size() > 2) area += area_vector(left);
+    if (left.size() <= 2) continue;
+    area += area_vector(left);
+    part.extent = std::max(part.extent, extent_of(left));
   }
-  return dot(area, sheet.normal);
+  part.area = dot(area, sheet.normal);
+  return part;
 }
 
 /// Solid angle of a triangle (Van Oosterom and Strackee 1983), signed.
@@ -174,7 +181,7 @@ Cell cell_of(const Piece& piece, const std::vector<Sheet>& sheets, double tolera
     for (const Sheet& sheet : sheets) {
       if (dot(sheet.normal, side.normal) < 1 - 1e-9) continue;
       if (std::abs(dot(sheet.normal, polygon.corners[0]) - sheet.offset) > 4 * tolerance) continue;
-      const double own = area_inside(sheet, piece, 4 * tolerance);
+      const double own = part_inside(sheet, piece, 4 * tolerance).area;
       if (own <= std::max(1e-9 * whole, most)) continue;
       most = own;
       side.outer = true;
@@ -207,6 +214,23 @@ class Partition {
   Partition(const std::vector<Sheet>& sheets, double size) : sheets_{sheets}, tolerance_{1e-9 * size}, size_{size} {}
   void split(Piece piece, unsigned depth) {
     if (piece.polygons.size() < 4 || cells.size() > most) return;
+    // Small parts of facets last: their planes are rounded more, far from them.
+    if (split_by(piece, depth, false) || split_by(piece, depth, true)) return;
+    if (!inside(sheets_, middle_of(piece))) return;
+    volume += volume_of(piece);
+    cells.push_back(cell_of(piece, sheets_, tolerance_));
+  }
+  static constexpr std::size_t most = 5000;
+  std::vector<Cell> cells;
+  double volume = 0;
+
+ private:
+  /// Whether what a piece has of a facet is no more than rounding: of `small` parts a strip of 16 tolerances, where
+  /// what is left uncut and what the rounding of its plane does across the body are about the same.
+  [[nodiscard]] bool is_little(const Part& part, bool small) const {
+    return part.area <= (small ? std::min(16 * part.extent, size_) : size_) * tolerance_;
+  }
+  bool split_by(const Piece& piece, unsigned depth, bool small) {
     for (std::size_t s = 0; s < sheets_.size() && depth < 200; ++s) {
       const Sheet& sheet = sheets_[s];
       double low = 0, high = 0;
@@ -218,21 +242,15 @@ class Partition {
         }
       }
       if (low > -4 * tolerance_ || high < 4 * tolerance_) continue;
-      if (area_inside(sheet, piece, -tolerance_) <= tolerance_ * size_) continue;
+      if (is_little(part_inside(sheet, piece, -tolerance_), small)) continue;
       const auto plane = static_cast<std::int32_t>(s);
       split(clip(piece, sheet.normal, sheet.offset, tolerance_, plane), depth + 1);
       split(clip(piece, -sheet.normal, -sheet.offset, tolerance_, plane), depth + 1);
-      return;
+      return true;
     }
-    if (!inside(sheets_, middle_of(piece))) return;
-    volume += volume_of(piece);
-    cells.push_back(cell_of(piece, sheets_, tolerance_));
+    return false;
   }
-  static constexpr std::size_t most = 5000;
-  std::vector<Cell> cells;
-  double volume = 0;
 
- private:
   const std::vector<Sheet>& sheets_;
   double tolerance_, size_;
 };

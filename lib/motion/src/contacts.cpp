@@ -184,7 +184,7 @@ std::vector<Touch> World::Impl::missed(const std::vector<Touch>& list, const std
   return out;
 }
 
-double World::Impl::deepest_overlap(std::string& where) const {
+double World::Impl::deepest_overlap(std::vector<std::uint32_t>& pair) const {
   double worst = 0;
   const std::vector<double> none(shapes.size(), 0);
   for (const auto& [i, j] : near_pairs(none)) {
@@ -193,7 +193,7 @@ double World::Impl::deepest_overlap(std::string& where) const {
     const double share = overlap_depth(a, b, 0.1 * options.overlap * size) / size;
     if (share > worst) {
       worst = share;
-      where = "bodies " + std::to_string(a.body) + " and " + std::to_string(b.body) + " overlap";
+      pair = {a.body, b.body};
     }
   }
   return worst;

@@ -24,7 +24,8 @@ void archive(A& a, Archived<Contact> auto& c) {
 }
 template <class A>
 void archive(A& a, Archived<Energy> auto& e) {
-  a(e.start, e.kinetic, e.potential, e.friction, e.lost, e.projected, e.ground, e.closing_error, e.largest_gain);
+  a(e.start, e.kinetic, e.potential, e.friction, e.lost, e.projected, e.carried, e.ground, e.closing_error,
+    e.largest_gain);
 }
 
 // What stays: for the name of a world.
@@ -69,7 +70,7 @@ void archive(A& a, Archived<TieRecord> auto& t) {
 namespace {
 
 constexpr std::string_view world_kind = "cleave-motion-world";
-constexpr std::uint32_t version_of_saved = 4;
+constexpr std::uint32_t version_of_saved = 5;
 
 std::string identity_of(const World::Impl& w) {
   ArchiveWriter a;
@@ -111,8 +112,8 @@ bool is_sound(const State& s) {
 bool bodies_are_sound(const World::Impl& w) {
   const std::size_t n = w.shapes.size();
   const Energy& e = w.energy;
-  const std::array books{e.start,  e.kinetic,       e.potential,    e.friction,         e.lost,        e.projected,
-                         e.ground, e.closing_error, e.largest_gain, w.largest_momentum, w.momentum_off};
+  const std::array books{e.carried,   e.start,  e.kinetic,       e.potential,    e.friction,         e.lost,
+                         e.projected, e.ground, e.closing_error, e.largest_gain, w.largest_momentum, w.momentum_off};
   const auto flag = [](std::uint8_t f) { return f <= 1; };
   return w.now >= 0 && finite(w.now) && w.last_step >= 0 && finite(w.last_step) && w.state.size() == n &&
          std::ranges::all_of(w.state, is_sound) && w.held.size() == n && std::ranges::all_of(w.held, flag) &&

@@ -15,6 +15,11 @@ Vector6 stacked(Vec3 a, Vec3 b) {
   return out;
 }
 
+bool is_finite(const State& s) {
+  return geometry::is_finite(s.shift) && geometry::is_finite(s.v) && geometry::is_finite(s.momentum) &&
+         std::isfinite(s.turn.w + s.turn.x + s.turn.y + s.turn.z);
+}
+
 /// Steps that a group which would have gained energy stays with the implicit rule.
 constexpr std::uint8_t implicit_for = 8;
 /// Rounds of looking for contacts that came up during a step.
@@ -407,6 +412,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tol
       for (std::uint32_t b = 0; b < shapes.size(); ++b) {
         if (moves(b)) drift_body(out.state[b], b, theta_of(b) * step);
       }
+      if (!std::ranges::all_of(out.state, is_finite)) return Failure{0, "the motion of a body is not finite"};
       place_all(out.state, false);
       if (round >= rounds) break;
       const std::vector<double> none(shapes.size(), 0);
@@ -430,9 +436,9 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tol
     if (moves(b)) smallest = std::min(smallest, shapes[b].size);
   }
   if (deepest > 5e-3 * smallest) return Failure{deepest, "bodies ran into one another"};
-  std::string where;
-  out.report.overlap = deepest_overlap(where);
-  if (out.report.overlap > options.overlap) return Failure{out.report.overlap, where};
+  std::vector<std::uint32_t> pair;
+  out.report.overlap = deepest_overlap(pair);
+  if (out.report.overlap > options.overlap) return Failure{out.report.overlap, "two bodies overlap", pair};
   return {};
 }
 

@@ -48,7 +48,8 @@ std::string fault_of(const Tie& tie, std::size_t bodies) {
 std::expected<void, BadScene> add_body(const BodySpec& spec, std::size_t number, World::Impl& impl,
                                        std::vector<Cell>& cells) {
   const auto refuse = [&](std::string reason) {
-    return std::unexpected(BadScene{"body " + std::to_string(number), std::move(reason)});
+    return std::unexpected(
+        BadScene{"body " + std::to_string(number), std::move(reason), {static_cast<std::uint32_t>(number)}});
   };
   const auto mass = mass_properties(spec.shape);
   if (!mass) return refuse(mass.error().reason);
@@ -156,13 +157,15 @@ std::expected<World, BadScene> World::make(SceneSpec scene, WorldOptions options
     impl->placed.push_back({.cell = &cell, .body = impl->cell_body[c], .number = c, .size = extent_of(cell.vertices)});
   }
   impl->place_all(impl->state, true);
+  // Where nothing is free yet, as long as a step may be for any: what is let go later has limits of its own.
+  const bool none_free = std::ranges::find(impl->held, std::uint8_t{0}) == impl->held.end();
   for (const Placed& p : impl->placed) {
-    if (impl->held[p.body] == 0) corners.insert(corners.end(), p.vertices.begin(), p.vertices.end());
+    if (none_free || impl->held[p.body] == 0) corners.insert(corners.end(), p.vertices.begin(), p.vertices.end());
   }
   impl->extent = extent_of(corners);
-  std::string where;
-  if (impl->deepest_overlap(where) > options.overlap) {
-    return std::unexpected(BadScene{"", where + " at the start"});
+  std::vector<std::uint32_t> pair;
+  if (impl->deepest_overlap(pair) > options.overlap) {
+    return std::unexpected(BadScene{"", "two bodies overlap at the start", pair});
   }
   World world{std::move(impl)};
   Impl& own = *world.impl_;
@@ -173,14 +176,17 @@ std::expected<World, BadScene> World::make(SceneSpec scene, WorldOptions options
   return world;
 }
 
+double World::Impl::kinetic_of(std::uint32_t b) const {
+  const State& s = state[b];
+  return 0.5 * shapes[b].mass * dot(s.v, s.v) + 0.5 * dot(s.momentum, solve(shapes[b].inertia, s.momentum));
+}
+
 void World::Impl::count_energy() {
   energy.kinetic = energy.potential = 0;
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (held[b] != 0) continue;
-    const State& s = state[b];
-    energy.kinetic +=
-        0.5 * shapes[b].mass * dot(s.v, s.v) + 0.5 * dot(s.momentum, solve(shapes[b].inertia, s.momentum));
-    energy.potential -= shapes[b].mass * dot(options.gravity, s.shift);
+    energy.kinetic += kinetic_of(b);
+    energy.potential -= shapes[b].mass * dot(options.gravity, state[b].shift);
   }
 }
 
@@ -189,6 +195,7 @@ std::expected<StepReport, StepFailed> World::step(double at_most) {
   if (!(at_most > 0)) return std::unexpected(StepFailed{own.now, at_most, 0, "no time was asked for"});
   own.wake_touched();
   double step = own.longest_step(at_most);
+  if (!(step > 0)) return std::unexpected(StepFailed{own.now, step, 0, "its bodies leave no length of a step"});
   Impl::Failure last;
   for (std::size_t cut = 0; cut <= own.options.cuts; ++cut) {
     Attempt attempt;
@@ -209,7 +216,7 @@ std::expected<StepReport, StepFailed> World::step(double at_most) {
     if (cut < own.options.cuts) step /= 3;
   }
   own.place_all(own.state, false);
-  return std::unexpected(StepFailed{own.now, step, last.residual, last.reason});
+  return std::unexpected(StepFailed{own.now, step, last.residual, last.reason, last.bodies});
 }
 
 StepReport World::Impl::close(Attempt& done) {
@@ -223,9 +230,11 @@ StepReport World::Impl::close(Attempt& done) {
   energy.projected += done.projected;
   const double total = energy.kinetic + energy.potential;
   energy.largest_gain = std::max(energy.largest_gain, total - energy.ground - before - done.projected);
-  const double largest = std::max({std::abs(energy.start), energy.kinetic, std::abs(energy.potential), energy.friction,
-                                   std::abs(energy.lost), std::abs(energy.projected), std::abs(energy.ground)});
-  const double balance = energy.start - energy.friction - energy.lost + energy.projected + energy.ground;
+  const double largest =
+      std::max({std::abs(energy.start), energy.kinetic, std::abs(energy.potential), energy.friction,
+                std::abs(energy.lost), std::abs(energy.projected), std::abs(energy.ground), energy.carried});
+  const double balance =
+      energy.start - energy.friction - energy.lost - energy.carried + energy.projected + energy.ground;
   energy.closing_error = largest > 0 ? std::abs(total - balance) / largest : 0;
   Vec3 momentum;
   StepReport& report = done.report;
@@ -265,8 +274,7 @@ void World::Impl::sleep_and_wake(const Attempt& done) {
     for (const std::uint32_t b : island.bodies) {
       // What is left of its motion is lost, and counted.
       const Vec3 momentum = shapes[b].mass * state[b].v;
-      const double kinetic =
-          0.5 * dot(momentum, state[b].v) + 0.5 * dot(state[b].momentum, solve(shapes[b].inertia, state[b].momentum));
+      const double kinetic = kinetic_of(b);
       energy.lost += kinetic;
       energy.kinetic -= kinetic;
       expected -= momentum;
@@ -327,7 +335,9 @@ Vec3 World::position(std::size_t body, Vec3 at_start) const {
 void World::set_fixed(std::size_t body, bool fixed) {
   Impl& own = *impl_;
   if ((own.held[body] != 0) == fixed) return;
-  // What it had of momentum and energy leaves the books with it.
+  // What it had of momentum and energy leaves the books with it; its motion is a row of them.
+  const double carried = fixed ? own.kinetic_of(static_cast<std::uint32_t>(body)) : 0;
+  own.energy.carried += carried;
   own.expected -= own.shapes[body].mass * own.state[body].v;
   own.state[body].v = own.state[body].momentum = {};
   own.held[body] = fixed ? 1 : 0;
@@ -335,7 +345,7 @@ void World::set_fixed(std::size_t body, bool fixed) {
   std::ranges::fill(own.quiet, std::uint8_t{0});
   const double before = own.energy.kinetic + own.energy.potential;
   own.count_energy();
-  own.energy.start += own.energy.kinetic + own.energy.potential - before;
+  own.energy.start += own.energy.kinetic + own.energy.potential - before + carried;
 }
 const std::vector<Contact>& World::contacts() const noexcept { return impl_->contacts; }
 TieState World::tie(std::size_t number) const {

@@ -129,11 +129,13 @@ struct World::Impl {
   struct Failure {
     double residual = 0;
     std::string reason;
+    std::vector<std::uint32_t> bodies = {};
   };
   [[nodiscard]] double longest_step(double at_most) const;
   [[nodiscard]] std::optional<Failure> attempt(double step, double tolerate, Attempt& out);
   void accept(Attempt& done);
   [[nodiscard]] StepReport close(Attempt& done);
+  [[nodiscard]] double kinetic_of(std::uint32_t b) const;
   void count_energy();
   [[nodiscard]] std::vector<Island> islands_of(const std::vector<Touch>& list) const;
   [[nodiscard]] Group group_of(const Island& island, const std::vector<Touch>& list, const std::vector<State>& mid,
@@ -211,7 +213,7 @@ struct World::Impl {
   /// Touches that overlap in the end state and that the list does not know, as they were at the kick.
   [[nodiscard]] std::vector<Touch> missed(const std::vector<Touch>& list, const std::vector<Touch>& at_end,
                                           const std::vector<State>& mid, const std::vector<State>& end) const;
-  [[nodiscard]] double deepest_overlap(std::string& where) const;
+  [[nodiscard]] double deepest_overlap(std::vector<std::uint32_t>& pair) const;
 
   // parting.cpp
   /// Moves the bodies of a group; what that brings in of energy.

@@ -17,6 +17,12 @@ constexpr double millimetre = 1e-3;
 /// All slower than this for so many steps in a row: at rest.
 constexpr double resting_speed = 1e-4;
 constexpr std::uint32_t resting_steps = 20;
+/// s; and for so long: steps may be short.
+constexpr double resting_time = 0.1;
+/// Of gravity: what gets faster by more than this does not rest, however slow it is yet.
+constexpr double resting_acceleration = 1e-6;
+/// m/s; what solvers leave of bodies at rest.
+constexpr double resting_noise = 1e-7;
 /// s; times that differ by less are one.
 constexpr double at_once = 1e-9;
 
@@ -24,6 +30,15 @@ constexpr double at_once = 1e-9;
 bool crosses(const MotionCast::Tie& tie, double at) { return tie.leaves <= at && at < tie.anchored; }
 
 }  // namespace
+
+std::string blocks_of(const MotionCast& cast, const std::vector<std::uint32_t>& bodies) {
+  std::string out;
+  for (const std::uint32_t body : bodies) {
+    const auto block = std::ranges::find(cast.body, body) - cast.body.begin();
+    out += fmt::format("{}block {}", out.empty() ? ": " : ", ", block);
+  }
+  return out;
+}
 
 MotionRecorder::MotionRecorder(const Scene& scene, const BlockComplex& complex, const MotionCast& cast,
                                motion::World world)
@@ -68,15 +83,37 @@ void MotionRecorder::follow(const std::function<bool()>& stop) {
     release();
     const double until = std::min(static_cast<double>(frame) * frame_, duration);
     const auto report = world_.step(until - world_.time());
-    if (!report) return stop_because(describe(report.error()));
+    if (!report) return stop_because(describe(report.error()) + blocks_of(cast_, report.error().bodies));
     look_at(*report);
     if (world_.time() >= until - at_once) {
       record(world_.time());
       skip_frames();
     }
-    place_.quiet = report->max_speed < resting_speed && place_.released == waves_ ? place_.quiet + 1 : 0;
-    result_.at_rest = place_.quiet >= resting_steps;
+    look_for_rest(*report);
   }
+}
+
+/// At rest: all slow for so long, none of them getting faster, nothing to be let go and the ground at rest.
+void MotionRecorder::look_for_rest(const motion::StepReport& report) {
+  const double now = world_.time();
+  const bool may_rest =
+      report.max_speed < resting_speed && place_.released == waves_ && !world_.options().ground.moves_at(now + at_once);
+  if (!may_rest) place_.quiet = 0;
+  std::vector<double> speed(cast_.moving.size(), 0);
+  for (std::size_t k = 0; may_rest && k < speed.size(); ++k) {
+    speed[k] = norm(world_.velocity(k)) + std::cbrt(world_.volume(k)) * norm(world_.spin(k));
+  }
+  const double faster = resting_acceleration * norm(world_.options().gravity) * (now - place_.quiet_from);
+  for (std::size_t k = 0; place_.quiet > 0 && k < speed.size(); ++k) {
+    place_.slowest[k] = std::min(place_.slowest[k], speed[k]);
+    if (speed[k] > place_.slowest[k] + std::max(resting_noise, faster)) place_.quiet = 0;
+  }
+  if (may_rest && place_.quiet == 0) {
+    place_.quiet_from = now;
+    place_.slowest = std::move(speed);
+  }
+  place_.quiet = may_rest ? place_.quiet + 1 : 0;
+  result_.at_rest = place_.quiet >= resting_steps && now - place_.quiet_from >= resting_time - at_once;
 }
 
 /// Wave k of n goes at k/n of the duration.
@@ -107,10 +144,12 @@ void MotionRecorder::look_at(const motion::StepReport& report) {
     if (!block.first_motion && norm(world_.displacement(k)) > millimetre) {
       block.first_motion = Time::from_si(world_.time());
     }
+    look_at_fronts(k);
     const Vec3 c = world_.centroid(k);
     const bool inside = c.x > low_.x && c.y > low_.y && c.x < high_.x && c.y < high_.y && c.z > lowest_;
     if (inside) continue;
     block.left = true;
+    block.leaving_speed = norm(world_.velocity(k));
     world_.set_fixed(k, true);
     // It hangs on nothing, and nothing on it.
     for (std::size_t t = 0; t < cut_.size(); ++t) {
@@ -119,6 +158,17 @@ void MotionRecorder::look_at(const motion::StepReport& report) {
       world_.cut(t);
       cut_[t] = 1;
     }
+  }
+}
+
+void MotionRecorder::look_at_fronts(std::size_t k) {
+  if (world_.asleep(k) || world_.fixed(k)) return;
+  const Vec3 shift = world_.displacement(k), start = world_.centroid(k) - shift;
+  const motion::Turn turn = world_.turn(k);
+  for (const Vec3 corner : cast_.scene.bodies[k].shape.vertices) {
+    const Vec3 arm = corner - start;
+    const Vec3 way = shift + (turn * arm - arm);
+    result_.blocks[k].front = std::max(result_.blocks[k].front, metres(std::hypot(way.x, way.y)));
   }
 }
 
@@ -168,6 +218,8 @@ MotionResult MotionRecorder::close() {
   result_.potential_lost = e.start - e.potential;
   result_.kinetic = e.kinetic;
   result_.dissipated = e.friction + e.lost;
+  result_.carried_out = e.carried;
+  result_.lifted = e.projected;
   if (settings_.ground) result_.work_of_ground = e.ground;
   result_.energy_error = e.closing_error;
   result_.momentum_error = world_.momentum_error();

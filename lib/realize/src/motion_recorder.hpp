@@ -35,10 +35,15 @@ struct MotionCast {
   std::size_t bolts_with_shear = 0;  ///< that act, but not across their axes
 };
 
+/// ": block 3, block 57", by the numbers that results have; empty: of none.
+[[nodiscard]] std::string blocks_of(const MotionCast& cast, const std::vector<std::uint32_t>& bodies);
+
 /// Where a run has come to, beside its world and its result.
 struct MotionPlace {
-  std::uint32_t released = 0;  ///< the last wave that was let go
-  std::uint32_t quiet = 0;     ///< steps in a row that nothing moved in
+  std::uint32_t released = 0;        ///< the last wave that was let go
+  std::uint32_t quiet = 0;           ///< steps in a row that nothing moved in, or got faster
+  double quiet_from = 0;             ///< s, the end of the first of them
+  std::vector<double> slowest = {};  ///< m/s, by block, in those steps
 };
 
 /// One run of a world, written down at equal times.
@@ -58,6 +63,8 @@ class MotionRecorder final {
  private:
   void release();
   void look_at(const motion::StepReport& report);
+  void look_at_fronts(std::size_t k);
+  void look_for_rest(const motion::StepReport& report);
   void look_at_bolts();
   void count_bolts();
   void record(double time);

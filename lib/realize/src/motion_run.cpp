@@ -12,6 +12,7 @@
 #include "cleave/core/parallel.hpp"
 #include "cleave/motion/world.hpp"
 #include "motion_bolts.hpp"
+#include "motion_notes.hpp"
 #include "motion_recorder.hpp"
 
 namespace cleave::scene {
@@ -271,18 +272,6 @@ void compare(const MotionResult& fine, const BlockComplex& complex, MotionResult
   result.error = metres(worst);
 }
 
-/// Loads that blocks in motion do not have.
-bool more_than_gravity(const LoadSet& loads) {
-  const stability::ActionSpec& actions = loads.actions.spec();
-  return norm(loads.body.seismic()) > 0 || !loads.actions.dry() || !actions.surcharges.empty() ||
-         !actions.points.empty() || !actions.lines.empty();
-}
-
-/// Partial factors, which blocks in motion do not have either.
-bool reduces_strength(const StabilitySettings& settings) {
-  return settings.partial.friction() != 1 || settings.partial.cohesion() != 1 || settings.partial.weight() != 1;
-}
-
 motion::WorldOptions options_of(const Scene& scene, const MotionSettings& settings) {
   motion::WorldOptions options{.gravity = scene.stability->loads.body.gravity(), .step = settings.step.si()};
   options.solver.accept = accepted;
@@ -295,46 +284,25 @@ motion::WorldOptions options_of(const Scene& scene, const MotionSettings& settin
   return options;
 }
 
-void add_notes(const Scene& scene, const MotionResult& result, std::vector<std::string>& notes) {
-  if (result.blocks.empty()) notes.emplace_back("motion: no block is let go");
-  if (!result.converged) notes.push_back("motion: " + result.stopped_why + "; the state reached is in the result");
-  const auto left = std::ranges::count_if(result.blocks, &MotionBlock::left);
-  if (left > 0) notes.push_back(fmt::format("motion: {} blocks left the domain and were followed no further", left));
-  if (scene.motion->to_rest && !result.at_rest && result.converged && !result.blocks.empty()) {
-    notes.push_back(fmt::format("motion: not at rest after {:g} s; set a longer motion.duration", result.end.si()));
-  }
-  if (!scene.motion->to_rest && !result.at_rest && result.converged && !result.blocks.empty() && result.moved() == 0) {
-    notes.push_back(fmt::format(
-        "motion: in {:g} s no block moved by a millimetre, but they are not at rest: set a longer motion.duration",
-        result.end.si()));
-  }
-  if (result.rough_steps > 0) {
-    notes.push_back(
-        fmt::format("motion: in {} of {} steps no answer met the contact law to {:g}; the best one was taken, residual "
-                    "up to {:.2g}, "
-                    "a miss of at most {:.2g} m/s",
-                    result.rough_steps, result.steps, accepted, result.residual, result.missed_speed));
-  }
-  if (result.may_be_locked > 0) {
-    notes.push_back(fmt::format(
-        "motion: up to {} blocks at a time were in groups that forces locked between them may hold; those that can "
-        "move were let move, but not every other answer may have been found",
-        result.may_be_locked));
-  }
-  if (more_than_gravity(scene.stability->loads)) {
-    notes.emplace_back("motion: gravity alone acts on blocks in motion; the other loads of [stability] are left out");
-  }
-  if (reduces_strength(*scene.stability)) {
-    notes.emplace_back("motion: blocks in motion have their strength and weight as they are, without partial factors");
-  }
-}
-
 }  // namespace
 
 std::string_view name_of(LetGo outcome) noexcept { return enum_name(outcome); }
 
 std::uint64_t MotionResult::moved() const noexcept {
   return static_cast<std::uint64_t>(std::ranges::count_if(blocks, &MotionBlock::moved));
+}
+std::uint64_t MotionResult::left() const noexcept {
+  return static_cast<std::uint64_t>(std::ranges::count_if(blocks, &MotionBlock::left));
+}
+double MotionResult::fastest_left() const noexcept {
+  double out = 0;
+  for (const MotionBlock& b : blocks) out = std::max(out, b.leaving_speed);
+  return out;
+}
+Length MotionResult::front_runout() const noexcept {
+  Length out;
+  for (const MotionBlock& b : blocks) out = std::max(out, b.front);
+  return out;
 }
 std::uint64_t MotionResult::bolts_broken() const noexcept {
   return static_cast<std::uint64_t>(
@@ -355,7 +323,8 @@ std::expected<MotionResult, Problem> run_motion(const Scene& scene, const Realiz
   auto world = motion::World::make(cast.scene, options);
   if (!world) {
     MotionResult refused;
-    refused.stopped_why = "refused: " + describe(world.error());
+    refused.stopped_why = "refused: " + world.error().reason + blocks_of(cast, world.error().bodies);
+    refused.refused = true;
     refused.notes.push_back("motion: " + refused.stopped_why);
     return refused;
   }
@@ -387,7 +356,8 @@ std::expected<MotionResult, Problem> run_motion(const Scene& scene, const Realiz
     result.notes.push_back(fmt::format("motion: {} {} thinner than 1e-6 of the domain {} left out", cast.left_out,
                                        cast.left_out == 1 ? "block" : "blocks", cast.left_out == 1 ? "is" : "are"));
   }
-  add_notes(scene, result, result.notes);
+  result.key_blocks_standing = standing_blocks(made, result).size();
+  add_motion_notes(scene, made, accepted, result);
   add_support_notes(scene, made, cast, result, result.notes);
   return result;
 }

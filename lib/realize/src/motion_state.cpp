@@ -22,7 +22,7 @@ namespace scene {
 
 template <class A>
 void archive(A& a, Archived<MotionPlace> auto& p) {
-  a(p.released, p.quiet);
+  a(p.released, p.quiet, p.quiet_from, p.slowest);
 }
 template <class A>
 void archive(A& a, Archived<MotionFrame::Place> auto& p) {
@@ -36,11 +36,13 @@ void archive(A& a, Archived<MotionFrame> auto& f) {
 struct BlockSoFar {
   std::optional<Time> first_motion = {};
   double fastest = 0;
+  Length front = {};
   bool left = false;
+  double leaving_speed = 0;
 };
 template <class A>
 void archive(A& a, Archived<BlockSoFar> auto& b) {
-  a(b.first_motion, b.fastest, b.left);
+  a(b.first_motion, b.fastest, b.front, b.left, b.leaving_speed);
 }
 template <class A>
 void archive(A& a, Archived<MotionBolt> auto& b) {
@@ -55,7 +57,7 @@ void archive(A& a, Archived<MotionResult> auto& r) {
 namespace {
 
 constexpr std::string_view state_kind = "cleave-motion-state";
-constexpr std::uint32_t version_of_state = 2;
+constexpr std::uint32_t version_of_state = 3;
 constexpr StateKind kind_of_state{.run = "a run of blocks in motion",
                                   .file = motion_state_name,
                                   .ties = "its blocks, joints, frames, ground or when blocks are let go"};
@@ -86,12 +88,15 @@ bool MotionRecorder::is_sound(const MotionResult& read, const MotionPlace& place
   };
   return std::ranges::equal(read.bolts, result_.bolts, same_bolt) && !read.frames.empty() &&
          std::ranges::all_of(read.frames, sound) && std::ranges::is_sorted(read.frames, {}, time) &&
-         place.released <= waves_;
+         place.released <= waves_ && std::isfinite(place.quiet_from) &&
+         (place.quiet == 0 || place.slowest.size() == cast_.moving.size());
 }
 
 std::string MotionRecorder::state() const {
   std::vector<BlockSoFar> blocks;
-  for (const MotionBlock& b : result_.blocks) blocks.push_back({b.first_motion, b.fastest, b.left});
+  for (const MotionBlock& b : result_.blocks) {
+    blocks.push_back({b.first_motion, b.fastest, b.front, b.left, b.leaving_speed});
+  }
   ArchiveWriter a;
   a(identity(), world_.saved(), place_, result_, blocks, cut_);
   return sealed(state_kind, version_of_state, a.bytes());
@@ -122,7 +127,9 @@ std::optional<Problem> MotionRecorder::go_on_from(const SavedRun& saved) {
   for (std::size_t k = 0; k < blocks.size(); ++k) {
     read.blocks[k].first_motion = blocks[k].first_motion;
     read.blocks[k].fastest = blocks[k].fastest;
+    read.blocks[k].front = blocks[k].front;
     read.blocks[k].left = blocks[k].left;
+    read.blocks[k].leaving_speed = blocks[k].leaving_speed;
   }
   read.walls = cast_.walls;
   read.supported = cast_.supported;

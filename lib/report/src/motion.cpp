@@ -88,7 +88,12 @@ std::string motion_section(const scene::MotionResult& motion) {
     out += "<p class=\"note\">The run stopped: " + escape_xml(motion.stopped_why) + ".</p>\n";
   }
   std::string told = fact("Ended", display(motion.end.si(), 4) + (motion.at_rest ? " s, at rest" : " s, not at rest"));
-  told += facts({{"released", "Let go"}, {"moved"}, {"steps"}, {"residual", "Residual of the contact law", 2}}, motion);
+  told += facts({{"released", "Let go"},
+                 {"moved"},
+                 {"key_blocks_standing", "Key blocks that stand"},
+                 {"steps"},
+                 {"residual", "Residual of the contact law", 2}},
+                motion);
   if (motion.rough_steps > 0) {
     told += fact("Steps that missed the law",
                  display_count(motion.rough_steps) + ", by at most " + display(motion.missed_speed, 2) + " m/s");
@@ -99,11 +104,20 @@ std::string motion_section(const scene::MotionResult& motion) {
                               display_count(motion.bolts_broken()) + " of them broke; largest force " +
                               display(motion.largest_bolt_force().si() / 1000, 4) + " kN");
   }
+  if (motion.left() > 0) {
+    told += fact("Left the domain",
+                 display_count(motion.left()) + ", at most " + display(motion.fastest_left(), 3) + " m/s");
+  }
+  told += fact("Farthest run-out of a corner", display(motion.front_runout().si(), 3) + " m");
   told += fact("Potential energy lost", display(motion.potential_lost / 1000, 4) + " kJ");
   if (motion.work_of_ground) {
     told +=
         fact("Work of the ground's motion", display(*motion.work_of_ground / 1000, 4) + " kJ, seen from the ground");
   }
+  told += fact("Kinetic energy at the end", display(motion.kinetic / 1000, 4) + " kJ");
+  told += fact("Dissipated", display(motion.dissipated / 1000, 4) + " kJ");
+  if (motion.left() > 0) told += fact("Carried out of the domain", display(motion.carried_out / 1000, 4) + " kJ");
+  told += fact("Lifted by parting overlaps", display(motion.lifted / 1000, 4) + " kJ");
   told += fact("Error of the energy balance", display(motion.energy_error, 2) + " (relative)");
   if (motion.error) {
     told += fact("Distance from a run with half the step",
@@ -119,6 +133,7 @@ std::string motion_section(const scene::MotionResult& motion) {
                    {"first_motion_s", {}, 3},
                    {"fall_m", {}, 3},
                    {"runout_m", "Run-out (m)", 3},
+                   {"front_runout_m", "Of its farthest corner (m)", 3},
                    {"speed_m_s", "Speed, largest (m/s)", 3}},
                   scene::MotionBlock{.block = topology::BlockId{0U}, .centroid = {}},
                   "class=\"sortable\""};

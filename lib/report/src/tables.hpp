@@ -426,11 +426,14 @@ void fields(V& v, const MotionBlock& x) {
   v("first_motion_s", x.first_motion, "when it had moved so far");
   v("fall_m", x.fall, "of the centroid, downwards");
   v("runout_m", x.runout, "of the centroid, level");
+  v("front_runout_m", x.front,
+    "farthest level way of a corner of it from where that was, at any time: says whether a road is reached");
   v("speed_m_s", x.fastest, "largest speed of the centroid");
   v("x_m", x.centroid.x, "centroid at the end");
   v("y_m", x.centroid.y);
   v("z_m", x.centroid.z);
   v("left", x.left, "1 when it left the domain and was followed no further");
+  v("leaving_speed_m_s", when(x.left, x.leaving_speed), "of the centroid, as it left; empty: it did not");
   v("bolts", x.bolts, "that tied it to other rock");
   v("bolts_broken", x.bolts_broken, "of these");
 }

@@ -14,6 +14,8 @@ namespace {
 constexpr NumberRule duration_rule{0, true, 1e4, false, " s"};
 constexpr NumberRule step_rule{1e-6, false, 1, false, " s"};
 constexpr std::array<std::string_view, 1> until_rest{"rest"};
+/// s; accelerograms have steps of 0.001 to 0.05 s.
+constexpr double longest_record_step = 1;
 
 const KeyTable& moving_ground_record_keys() {
   static const KeyTable keys{.name = "motion.ground.record",
@@ -40,6 +42,13 @@ void parse_moving_ground(const TableReader& motion, MotionSettings& settings) {
   settings.ground = parse_course(*found, found->vec3("acceleration").value_or(geometry::Vec3{}));
   const TimeCourse<geometry::Vec3>& ground = *settings.ground;
   const Time changes = ground.fastest(), end = ground.end();
+  if (const auto record = found->sub("record"); record && ground.step.si() > longest_record_step) {
+    record->note("step",
+                 fmt::format("is {:g} s between two values: records of earthquakes have thousandths to hundredths of a "
+                             "second",
+                             ground.step.si()),
+                 fmt::format("if it is in ms, set step = {:g}", ground.step.si() / 1000));
+  }
   if (settings.step > 0.2 * changes) {
     motion.note("step",
                 fmt::format("is {:g} s, long for ground that moves within {:.3g} s: only its mean over each step acts",
@@ -97,6 +106,12 @@ std::optional<MotionSettings> parse_motion(const TableReader& root, const std::o
   settings.to_rest = table.choice("until").has_value();
   settings.step = Time::from_si(table.value("step"));
   if (const auto frame = table.number("frame")) settings.frame = Time::from_si(*frame);
+  if (settings.frame && *settings.frame > settings.duration) {
+    table.note("frame",
+               fmt::format("is {:g} s, longer than the duration of {:g} s: the start and the end alone are written",
+                           settings.frame->si(), settings.duration.si()),
+               fmt::format("set motion.frame = {:g}", settings.duration.si() / 50));
+  }
   settings.restitution = table.value("restitution");
   settings.surface_friction = FrictionAngle::degrees(table.value("surface_friction"));
   settings.support = table.flag("support");

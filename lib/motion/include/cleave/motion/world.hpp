@@ -150,6 +150,7 @@ struct SceneSpec {
 struct BadScene {
   std::string which;  ///< "body 3"; empty: the whole
   std::string reason;
+  std::vector<std::uint32_t> bodies = {};  ///< that it is about
 };
 [[nodiscard]] std::string describe(const BadScene& error);
 
@@ -226,6 +227,7 @@ struct WorldOptions {
 struct StepFailed {
   double time = 0, step = 0, residual = 0;
   std::string reason;
+  std::vector<std::uint32_t> bodies = {};  ///< that it is about; empty: not known
 };
 [[nodiscard]] std::string describe(const StepFailed& error);
 
@@ -239,12 +241,13 @@ struct Contact {
   bool bonded = false;
 };
 
-/// All of a run so far: kinetic + potential = start - friction - lost + projected + ground.
+/// All of a run so far: kinetic + potential = start - friction - lost - carried + projected + ground.
 struct Energy {
   double start = 0, kinetic = 0, potential = 0;
   double friction = 0;       ///< dissipated by slip
   double lost = 0;           ///< by impacts, ties that yield and the scheme, counted on their own
   double projected = 0;      ///< brought in by parting bodies that overlap and by drawing ties to their length
+  double carried = 0;        ///< kinetic, of bodies as `set_fixed` held them: out of the books
   double ground = 0;         ///< work of the ground's acceleration on all bodies, relative to it
   double closing_error = 0;  ///< of the balance, over its largest term
   double largest_gain = 0;   ///< in a step, without what parting brought in

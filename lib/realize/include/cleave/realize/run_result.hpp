@@ -38,7 +38,9 @@ struct MotionBlock {
   Length fall = {}, runout = {};              ///< of the centroid: downwards, and level
   double fastest = 0;                         ///< speed of the centroid
   geometry::Vec3 centroid;                    ///< at the end, absolute
+  Length front = {};                          ///< farthest that a corner came, level, at any time
   bool left = false;                          ///< left the domain and was followed no further
+  double leaving_speed = 0;                   ///< of the centroid, as it left
   std::uint64_t bolts = 0, bolts_broken = 0;  ///< that tied it to other rock
 };
 
@@ -64,6 +66,7 @@ struct MotionFrame {
 struct MotionResult {
   bool converged = false;
   std::string stopped_why = {};  ///< when not
+  bool refused = false;          ///< before the first step
   bool at_rest = false;
   Time end = {};
   std::uint64_t steps = 0, walls = 0, contacts = 0;
@@ -74,6 +77,9 @@ struct MotionResult {
   Length penetration = {};
   double overlap = 0;  ///< over the size of the smaller block
   double potential_lost = 0, kinetic = 0, dissipated = 0, energy_error = 0, momentum_error = 0;
+  double carried_out = 0;                     ///< kinetic energy of blocks as they left
+  double lifted = 0;                          ///< brought in by parting overlaps and drawing ties to their length
+  std::uint64_t key_blocks_standing = 0;      ///< key blocks and blocks of groups that move which did not move
   std::optional<double> work_of_ground = {};  ///< empty: the ground is at rest
   std::optional<Length> error = {};           ///< estimate: distance from a run with half the step
   std::optional<Time> determined = {};        ///< until then; chaotic impacts part the two runs after it
@@ -86,6 +92,9 @@ struct MotionResult {
   std::string state = {};    ///< what a later run goes on from, see SavedRun
 
   [[nodiscard]] std::uint64_t moved() const noexcept;
+  [[nodiscard]] std::uint64_t left() const noexcept;
+  [[nodiscard]] double fastest_left() const noexcept;
+  [[nodiscard]] Length front_runout() const noexcept;
   [[nodiscard]] std::uint64_t bolts_broken() const noexcept;
   [[nodiscard]] Force largest_bolt_force() const noexcept;
 };
@@ -115,10 +124,19 @@ void fields(V& v, const MotionResult& x) {
   v("released", x.blocks.size(), "blocks let go");
   v("walls", x.walls, "blocks that never move and may be touched");
   v("moved", x.moved(), "blocks whose centroid moved by more than a millimetre");
+  v("key_blocks_standing", x.key_blocks_standing,
+    "blocks with a factor of safety below 1, their own or that of their group, that were let go and did not move so "
+    "far; not those that bolts tie. Their verdict stays: motion is no proof");
+  v("left", x.left(), "blocks that left the domain and were followed no further");
+  v("fastest_left_m_s", when(x.left() > 0, x.fastest_left()), "largest speed of a centroid as it left");
+  v("front_runout_m", x.front_runout(), "farthest level way of any corner of a block from where it was, at any time");
   v("energy", group([&](auto& w) {
-      w("potential_lost", x.potential_lost, "J");
+      w("potential_lost", x.potential_lost,
+        "J; with lifted and work_of_ground it is kinetic + dissipated + carried_out, to relative_error");
       w("kinetic", x.kinetic, "J, at the end");
       w("dissipated", x.dissipated, "J, by friction, impacts, bolts that yield and the scheme");
+      w("carried_out", x.carried_out, "J, kinetic energy of blocks as they left the domain");
+      w("lifted", x.lifted, "J, brought in by parting overlaps and drawing bolts to their length");
       w("work_of_ground", when(x.work_of_ground.has_value(), x.work_of_ground),
         "J, on the blocks as seen from the ground; absent where it is at rest");
       w("relative_error", x.energy_error, "of the balance, over its largest term");
