@@ -74,6 +74,17 @@ TEST(Cuts, TerrainDomain) {
   EXPECT_NEAR(rock_of(thin), 16 * 4, 1e-9);
 }
 
+TEST(Cuts, HeightsThatAreMissingAreSaid) {
+  const std::string dem = "ncols 4\nnrows 3\nxllcenter 0\nyllcenter 0\ncellsize 2\n3 3 3 3\n3 -9999 3 3\n3 3 3 3\n";
+  const std::string terrain = "[domain]\nterrain = { file = \"dem.asc\", base = -1";
+  const auto result = run_of(terrain + " }\n", {{"dem.asc", dem}});
+  EXPECT_NEAR(rock_of(result), 2 * 4 * 4, 1e-9);
+  EXPECT_EQ(notes_with(result, "1 of 12 heights are missing: 4 of 6 cells, 66.7 % of the plan area, are left out"), 1U);
+  // not in what the window leaves
+  const auto part = run_of(terrain + ", window = [[4, 0], [6, 4]] }\n", {{"dem.asc", dem}});
+  EXPECT_EQ(notes_with(part, "heights are missing"), 0U);
+}
+
 TEST(Cuts, WhatIsWrongWithThem) {
   EXPECT_EQ(
       error_of(
