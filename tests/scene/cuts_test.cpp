@@ -85,6 +85,16 @@ TEST(Cuts, HeightsThatAreMissingAreSaid) {
   EXPECT_EQ(notes_with(part, "heights are missing"), 0U);
 }
 
+/// The upper corner stands 0.2 m above the plane of the other three: 1 + 0.2 / 6 or 1 + 0.2 / 3 m3, as it is cut.
+TEST(Cuts, BentFacesOfADomainAreSaid) {
+  const std::string mesh =
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1.2\nv 0 1 1\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\n"
+      "f 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  const auto result = run_of("[domain]\nmesh = \"bent.obj\"\n", {{"bent.obj", mesh}});
+  EXPECT_NEAR(rock_of(result), 1 + 0.2 / 6, 1e-9);
+  EXPECT_EQ(notes_with(result, "1 faces of bodies are bent, with corners up to 0.0495 m off their plane"), 1U);
+}
+
 TEST(Cuts, WhatIsWrongWithThem) {
   EXPECT_EQ(
       error_of(
