@@ -126,6 +126,10 @@ TEST(VtuReaderTest, PointsOfTheirOwnForEachFaceAndThinCellsAreRead) {
   const std::string far = "500000 5400000 0 500001 5400000 0 500000 5400001 0 500000.3 5400000.3 1e-8";
   const std::string thin = replaced(replaced(vtu(faces, far), "Name=\"other\"", "Name=\"volume\""), "nan", "1.6667e-9");
   EXPECT_EQ(refusal(thin), "");
+  // two faces folded to the edge from 0 to 1
+  const std::string folded = "6 3 0 2 1 3 0 1 3 3 0 3 2 3 1 2 3 3 0 4 1 3 4 1 0";
+  EXPECT_EQ(
+      refusal(replaced(vtu(folded, points + " 0 0 0", "7", "25"), "NumberOfPoints=\"4\"", "NumberOfPoints=\"5\"")), "");
 }
 
 TEST(VtuReaderTest, Faults) {

@@ -45,11 +45,16 @@ std::vector<Face> faces_of(std::span<const std::int64_t> stream, const std::vect
   return faces;
 }
 
-/// Two faces with the same corners in the same sense.
+/// Two faces with the same corners in the same sense. Faces that rounding has folded to a line are no faces here: cells
+/// of thin blocks have several of them along one edge.
 std::optional<std::pair<std::size_t, std::size_t>> repeated_face(std::span<const Face> faces) {
   std::vector<std::pair<Face, std::size_t>> turned;  // each begins with its smallest corner
   for (std::size_t f = 0; f < faces.size(); ++f) {
     Face face = faces[f];
+    const auto repeated = std::ranges::unique(face);
+    face.erase(repeated.begin(), repeated.end());
+    if (face.size() > 1 && face.front() == face.back()) face.pop_back();
+    if (face.size() < 3) continue;
     std::ranges::rotate(face, std::ranges::min_element(face));
     turned.emplace_back(std::move(face), f);
   }
