@@ -45,16 +45,28 @@ std::vector<Face> faces_of(std::span<const std::int64_t> stream, const std::vect
   return faces;
 }
 
-/// Two faces with the same corners in the same sense. Faces that rounding has folded to a line are no faces here: cells
-/// of thin blocks have several of them along one edge.
-std::optional<std::pair<std::size_t, std::size_t>> repeated_face(std::span<const Face> faces) {
+/// No wider than the rounding of coordinates: cells of thin blocks have several such faces along one edge.
+bool is_folded(const Face& face, const std::vector<Vec3>& points) {
+  const Vec3 origin = points[face[0]];
+  Vec3 two_areas;
+  double length = 0, reach = 0;
+  for (std::size_t i = 0; i < face.size(); ++i) {
+    const Vec3 p = points[face[i]], q = points[face[(i + 1) % face.size()]];
+    two_areas += cross(p - origin, q - origin);
+    length += norm(q - p);
+    reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  }
+  constexpr double rounding = 1e-14;
+  return norm(two_areas) <= rounding * reach * length;
+}
+
+/// Two faces with the same corners in the same sense, but for folded ones.
+std::optional<std::pair<std::size_t, std::size_t>> repeated_face(std::span<const Face> faces,
+                                                                 const std::vector<Vec3>& points) {
   std::vector<std::pair<Face, std::size_t>> turned;  // each begins with its smallest corner
   for (std::size_t f = 0; f < faces.size(); ++f) {
     Face face = faces[f];
-    const auto repeated = std::ranges::unique(face);
-    face.erase(repeated.begin(), repeated.end());
-    if (face.size() > 1 && face.front() == face.back()) face.pop_back();
-    if (face.size() < 3) continue;
+    if (is_folded(face, points)) continue;
     std::ranges::rotate(face, std::ranges::min_element(face));
     turned.emplace_back(std::move(face), f);
   }
@@ -123,7 +135,7 @@ std::optional<CellFault> fault_of_surface(std::span<const Face> faces, const std
                        "check its numbers; coordinates are metres"};
     }
   }
-  if (const auto twice = repeated_face(faces)) {
+  if (const auto twice = repeated_face(faces, points)) {
     return CellFault{fmt::format("has one face twice: {} and {}, counted from 0", twice->first, twice->second),
                      "remove one of them"};
   }
