@@ -10,6 +10,7 @@
 #include <utility>
 #include <variant>
 
+#include "cleave/core/disjoint_sets.hpp"
 #include "cleave/geometry/polygon.hpp"
 #include "cleave/geometry/triangulate.hpp"
 
@@ -124,15 +125,25 @@ UnbentCells without_bent_faces(const Polyhedra& cells) {
 
 std::optional<geometry::SolidError> overlap_of(const MeshData& closed) {
   if (closed.faces() == 0 || is_thin(closed)) return std::nullopt;
+  if (closed.groups.size() == 1 && closed.groups[0].starts_with("block_")) return std::nullopt;
   std::vector<geometry::SolidFace> faces;
   for (std::size_t f = 0; f < closed.faces(); ++f) {
     const auto corners = closed.face(f);
     faces.push_back({{corners.begin(), corners.end()}, 0});
   }
+  DisjointSets<std::uint32_t> surfaces{closed.vertices.size()};
+  for (const geometry::SolidFace& face : faces) {
+    for (const std::uint32_t corner : face.corners) surfaces.join(face.corners[0], corner);
+  }
+  const auto surface_of = [&](std::size_t f) { return surfaces.find(closed.face(f)[0]); };
+  bool several = false;
+  for (std::size_t f = 0; f < closed.faces(); ++f) several = several || surface_of(f) != surface_of(0);
+  if (!several) return std::nullopt;
   auto solid = geometry::Solid::make(closed.vertices, std::move(faces));
   if (solid) return std::nullopt;
-  const bool told = std::holds_alternative<geometry::FacesCross>(solid.error()) ||
-                    std::holds_alternative<geometry::InsideOut>(solid.error());
+  const auto* cross = std::get_if<geometry::FacesCross>(&solid.error());
+  const bool told = cross != nullptr ? surface_of(cross->first) != surface_of(cross->second)
+                                     : std::holds_alternative<geometry::InsideOut>(solid.error());
   return told ? std::optional{std::move(solid).error()} : std::nullopt;
 }
 

@@ -25,8 +25,9 @@ struct UnbentCells {
 };
 [[nodiscard]] UnbentCells without_bent_faces(const Polyhedra& cells);
 
-/// Of a surface that is closed by the numbers of its vertices: faces that cross or coincide, and shells that look the
-/// wrong way. Nothing is said of bodies thinner than the rounding of their coordinates.
+/// Of surfaces, each closed by the numbers of its vertices: two that cross or coincide, and one that looks the wrong
+/// way. Nothing is said of a single surface, whose faces may touch to a rounding of their corners, nor of bodies
+/// thinner than that.
 [[nodiscard]] std::optional<geometry::SolidError> overlap_of(const MeshData& closed);
 
 }  // namespace cleave::io
