@@ -265,6 +265,23 @@ TEST_F(CommandsTest, ResultsWithExportsAreReplaced) {
   EXPECT_EQ(cleave("convert out c.obj").code, 0);
 }
 
+TEST_F(CommandsTest, ConvertRefusesBodiesThatOverlapAndSaysWhatIsBent) {
+  const auto corners = [](const std::string& top) {
+    return "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 " + top + "\nv 0 1 1\n";
+  };
+  const std::string faces = "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  const std::string others = "f 12 11 10 9\nf 13 14 15 16\nf 9 10 14 13\nf 10 11 15 14\nf 11 12 16 15\nf 12 9 13 16\n";
+  write("twice.obj", corners("1") + corners("1") + faces + others);
+  const Ended twice = cleave("convert twice.obj b.vtu");
+  EXPECT_EQ(twice.code, 2);
+  EXPECT_TRUE(twice.err.starts_with("error: twice.obj:17: group \"\": is no block: ")) << twice.err;
+  write("bent.obj", corners("1.2") + faces);
+  const Ended bent = cleave("convert bent.obj b.vtu");
+  EXPECT_EQ(bent.code, 0) << bent.err;
+  EXPECT_TRUE(bent.out.contains("1 faces of bodies are bent, with corners up to 0.0495 m off their plane")) << bent.out;
+  EXPECT_EQ(cleave("convert b.vtu again.obj").code, 0);
+}
+
 TEST_F(CommandsTest, ConvertRefusesWhatItCannotDo) {
   write("a.obj", "v 0 0 0\nf 1 2 3\n");
   for (const std::string call : {"a.obj b.ply", "none.obj b.ply", "a.txt b.ply", "a.obj b.dxf"}) {

@@ -129,7 +129,7 @@ TEST(HeightGridTest, PointsInAnyOrderMakeTheSameGrid) {
 
 TEST(HeightGridTest, SeparatorsAndComments) {
   for (const std::string_view text :
-       {"# made by hand\nx,y,z\n0,0,1\n1,0,2\n0,1,3\n1,1,4,17\n", "0;0;1\r\n1;0;2\r\n\r\n0;1;3\r\n1;1;4",
+       {"# made by hand\nx,y,z\n0,0,1\n1,0,2\n0,1,3\n1,1,4,\n", "0;0;1\r\n1;0;2\r\n\r\n0;1;3\r\n1;1;4",
         "0 0 1\n1\t0\t2 # here\n0 , 1 , 3\n1 1 4"}) {
     const HeightGrid grid = read(text);
     EXPECT_EQ(grid.columns, 2U) << text;
@@ -140,10 +140,78 @@ TEST(HeightGridTest, SeparatorsAndComments) {
   EXPECT_EQ(twice.rows, 1U);
 }
 
+/// What is wrong with a text, and what to do.
+std::string refusal(std::string_view text) {
+  const auto grid = parse_height_grid(text, "a.xyz");
+  return grid ? "" : describe(grid.error());
+}
+
+TEST(HeightGridTest, DecimalCommasOfPointsAreReadWithSemicolonsAndRefusedElsewhere) {
+  const HeightGrid grid = read("0;0;0,9\n10,5;0;-0,9\n0;7;10,25\n10,5;7;1e1\n");
+  EXPECT_EQ(grid.heights, (std::vector<double>{10.25, 10, 0.9, -0.9}));
+  EXPECT_EQ(grid.step_x, 10.5);
+  EXPECT_EQ(read("X;Y;Z\n0;0;\"0,9\"\n").heights, (std::vector<double>{0.9}));
+  // With other signs between them they cannot be told from further numbers; each is refused, with its line.
+  expect_refused("0 0 1\n0 10 10,9\n", ReadFault::syntax, 2);
+  expect_refused("0\t0\t1\n0\t10\t10,9\n", ReadFault::syntax, 2);
+  expect_refused("0 0 1\n0,5 10,5 10\n", ReadFault::bad_number, 2);
+  expect_refused("0,0,1\n0,10,10,9\n", ReadFault::syntax, 2);
+  EXPECT_TRUE(refusal("0\t10\t10,9\n").contains("with decimal commas part them by semicolons"));
+  expect_refused("0;0;0,9\n1;0;1.9\n", ReadFault::bad_number, 2);
+  expect_refused("x;y;z\n0;0;1 020\n", ReadFault::bad_number, 2);
+  EXPECT_TRUE(refusal("x;y;z\n0;0;1 020\n").contains("write nothing between thousands"));
+  expect_refused("x;y;z\n0;0;1.020,5\n", ReadFault::bad_number, 2);
+}
+
+TEST(HeightGridTest, LinesHaveAsManyNumbersAsColumns) {
+  expect_refused("0 0 1 255\n1 0 2 255\n", ReadFault::syntax, 1);
+  expect_refused("x,y,z\n0,0,1\n1,1,4,17\n", ReadFault::syntax, 3);
+  expect_refused("x,y,z,red\n0,0,1\n", ReadFault::syntax, 2);
+  EXPECT_EQ(
+      refusal("0 0 1 255\n"),
+      "a.xyz:1: 4 cells, a table without a header has 3; give x, y and z alone, or a first line with the names of "
+      "all columns; with decimal commas part them by semicolons");
+}
+
+TEST(HeightGridTest, HeadersOfPointsAreReadByNameAndUnit) {
+  const HeightGrid turned = read("northing,easting,z\n0,0,1\n0,10,2\n0,20,3\n5,0,4\n5,10,5\n5,20,6\n");
+  EXPECT_EQ(turned.columns, 3U);
+  EXPECT_EQ(turned.step_x, 10);
+  EXPECT_EQ(turned.heights, (std::vector<double>{4, 5, 6, 1, 2, 3}));
+  ASSERT_EQ(turned.notes.size(), 1U);
+  EXPECT_EQ(turned.notes[0], "columns read: y (from \"northing\") in m, x (from \"easting\") in m, z in m");
+  for (const std::string_view z : {"x,y,z_ft", "x,y,z (ft)", "x;y;z[ft]", "X Y Z (ft)", "x\ty\tElevation [feet]"}) {
+    const HeightGrid feet = read(std::string{z} + "\n0;0;100\n10;0;200\n");
+    EXPECT_NEAR(feet.height(1, 0).value_or(0), 60.96, 1e-12) << z;
+    EXPECT_EQ(feet.step_x, 10) << z;
+    ASSERT_EQ(feet.notes.size(), 1U) << z;
+    EXPECT_TRUE(feet.notes[0].ends_with("in ft")) << feet.notes[0];
+  }
+  const HeightGrid colours = read("//X Y Z R G B # of a scan\n0 0 1 255 0 0\n1 0 2 255 0 0\n");
+  EXPECT_EQ(colours.heights, (std::vector<double>{1, 2}));
+  ASSERT_EQ(colours.notes.size(), 2U);
+  EXPECT_EQ(colours.notes[1], "columns not used: \"R\", \"G\", \"B\"");
+  EXPECT_EQ(read("Point id\tz\ty\tx\nP 1\t3\t0\t0\n").heights, (std::vector<double>{3}));
+}
+
+TEST(HeightGridTest, HeadersOfPointsThatDoNotSayWhereAreRefused) {
+  expect_refused("x,y,depth\n0,0,0\n", ReadFault::bad_columns, 1);
+  EXPECT_EQ(
+      refusal("x,y,depth\n0,0,0\n"),
+      "a.xyz:1: there is no column z; not understood: \"depth\"; give heights above a level, which grow upwards, in "
+      "a column z (or elevation, height)");
+  expect_refused("# made\nlon,lat,z\n0,0,0\n", ReadFault::bad_columns, 2);
+  expect_refused("x,y,z,elevation\n0,0,0,0\n", ReadFault::bad_columns, 1);
+  expect_refused("x,y,z (furlong)\n0,0,0\n", ReadFault::bad_columns, 1);
+  expect_refused("x,y\n0,0\n", ReadFault::bad_columns, 1);
+  expect_refused("\"x\n\",y,z\n0,0,0\n", ReadFault::syntax, 2);
+  expect_refused("\"1\n\" 0 0\n0 0 0\n", ReadFault::bad_number, 1);
+}
+
 TEST(HeightGridTest, FaultsOfPointsNameTheLine) {
   expect_refused("", ReadFault::empty, {});
   expect_refused("x y z\n", ReadFault::empty, {});
-  expect_refused("0 0 1\n1 0\n", ReadFault::bad_number, 2);
+  expect_refused("0 0 1\n1 0\n", ReadFault::syntax, 2);
   expect_refused("0 0 1\n1 0 nan\n", ReadFault::bad_number, 2);
   expect_refused("0 0 1\n1 0 1e300\n", ReadFault::out_of_range, 2);
   expect_refused("0 0 1\n1 0 1e999\n", ReadFault::bad_number, 2);
@@ -151,7 +219,7 @@ TEST(HeightGridTest, FaultsOfPointsNameTheLine) {
   expect_refused("0 0 1\n1 0 2\n0 0 3\n", ReadFault::out_of_range, 3);
   expect_refused("0 0 1\n1 0 2\n2 0 2\n2.4 0 2\n4 0 1\n5 0 1\n6 0 1\n", ReadFault::out_of_range, 4);
   expect_refused("nan 0 1\n", ReadFault::bad_number, 1);
-  expect_refused(std::string_view{"\x7f\x45\x4c\x46\0\1\2", 7}, ReadFault::bad_number, 1);
+  expect_refused(std::string_view{"\x7f\x45\x4c\x46\0\1\2", 7}, ReadFault::syntax, 1);
   // points anywhere: each has a column of its own
   std::string scattered;
   for (int i = 0; i < 200; ++i) scattered += fmt_line(i, (i * 37) % 200, 0);

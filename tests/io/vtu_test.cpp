@@ -75,6 +75,67 @@ TEST(VtuReaderTest, CellsWithoutBlocksAreNumbered) {
   EXPECT_EQ(parse_vtu(text, "a").value().block, (std::vector<std::uint32_t>{0}));
 }
 
+/// Of a cell: what is wrong and what to do.
+std::string refusal(const std::string& text) {
+  const auto cells = parse_vtu(text, "a.vtu");
+  return cells ? "" : describe(cells.error());
+}
+
+TEST(VtuReaderTest, CellsThatAreNoSolidAreRefusedWithTheirBlock) {
+  EXPECT_EQ(refusal(vtu("4 3 0 2 1 3 0 1 3 3 0 3 2 3 1 3 2", points)),
+            "a.vtu: block 7 (cell 0) has faces that look inwards: the edge (1, 0, 0) to (0, 1, 0) is passed in one "
+            "direction by both its faces; give the corners of all faces counter-clockwise as seen from outside");
+  EXPECT_EQ(refusal(vtu("4 3 0 1 2 3 0 3 1 3 0 2 3 3 1 3 2", points)),
+            "a.vtu: block 7 (cell 0) has the volume -0.1666667 m3: its faces look inwards; give the corners of all "
+            "faces counter-clockwise as seen from outside");
+  EXPECT_EQ(refusal(vtu("5 3 0 2 1 3 0 1 3 3 0 3 2 3 1 2 3 3 2 3 1", points, "7", "21")),
+            "a.vtu: block 7 (cell 0) has one face twice: 3 and 4, counted from 0; remove one of them");
+  // three faces of one tetrahedron and one of another
+  const std::string five = replaced(vtu("4 3 0 2 1 3 0 1 3 3 0 3 2 3 1 2 4", points + " 5 5 5"), "NumberOfPoints=\"4\"",
+                                    "NumberOfPoints=\"5\"");
+  EXPECT_TRUE(
+      refusal(five).contains("block 7 (cell 0) is not closed: the edge (1, 0, 0) to (0, 0, 1) belongs to 1 face"))
+      << refusal(five);
+  EXPECT_TRUE(
+      refusal(vtu(faces, "0 0 0 1 0 0 0 1 0 0 0 1e10")).contains("corner (0, 0, 10000000000) further than 1e9 m"));
+  EXPECT_TRUE(refusal(vtu(faces, "0 0 0 1 0 0 0 1 0 1 1 0")).contains("has no volume"));
+}
+
+TEST(VtuReaderTest, VolumesAndCountsThatTheFileStatesAreCompared) {
+  const auto stated = [](const std::string& volume) {
+    return replaced(replaced(vtu(faces, points), "Name=\"other\"", "Name=\"volume\""), "nan", volume);
+  };
+  EXPECT_EQ(refusal(stated("0.1666667")), "");  // 2e-7 off
+  EXPECT_TRUE(
+      refusal(stated("0.166668")).contains("has the volume 0.1666666667 m3, but the cell array \"volume\" says"));
+  expect_refused(stated("nan"), ReadFault::bad_number);
+  expect_refused(stated("0.1666667 1"), ReadFault::out_of_range);
+  expect_refused(stated("-0.1666667"), ReadFault::out_of_range);
+  expect_refused(replaced(vtu(faces, points), "NumberOfPoints=\"4\"", "NumberOfPoints=\"5\""), ReadFault::truncated);
+  expect_refused(replaced(vtu(faces, points), "NumberOfCells=\"1\"", "NumberOfCells=\"5\""), ReadFault::truncated);
+  expect_refused(replaced(vtu(faces, points), "NumberOfCells=\"1\"", "NumberOfCells=\"?\""), ReadFault::truncated);
+  EXPECT_EQ(refusal(replaced(vtu(faces, points), " NumberOfCells=\"1\"", "")), "");
+}
+
+/// Cells of a wide map have volumes of few digits: rounded corners are no fault.
+TEST(VtuReaderTest, PointsOfTheirOwnForEachFaceAndThinCellsAreRead) {
+  const std::string own = replaced(vtu("4 3 0 2 1 3 3 4 5 3 6 7 8 3 9 10 11",
+                                       "0 0 0 1 0 0 0 1 0  0 0 0 1 0 0 0 0 1  0 0 0 0 0 1 0 1 0  1 0 0 0 1 0 0 0 1"),
+                                   "NumberOfPoints=\"4\"", "NumberOfPoints=\"12\"");
+  EXPECT_EQ(refusal(own), "");
+  const std::string far = "500000 5400000 0 500001 5400000 0 500000 5400001 0 500000.3 5400000.3 1e-8";
+  const std::string thin = replaced(replaced(vtu(faces, far), "Name=\"other\"", "Name=\"volume\""), "nan", "1.6667e-9");
+  EXPECT_EQ(refusal(thin), "");
+  // two faces folded to the edge from 0 to 1, to the last digit or to all of them
+  const std::string folded = "6 3 0 2 1 3 0 1 3 3 0 3 2 3 1 2 3 3 0 4 1 3 4 1 0";
+  const std::string five = "NumberOfPoints=\"5\"";
+  EXPECT_EQ(refusal(replaced(vtu(folded, points + " 0 0 0", "7", "25"), "NumberOfPoints=\"4\"", five)), "");
+  const std::string two =
+      replaced(vtu("6 3 0 2 4 3 0 1 3 3 0 3 2 3 1 2 3 3 0 4 1 3 4 2 1", "0 0 0 1 0 0 0 1 0 0 0 1 1 1e-16 0", "7", "25"),
+               "NumberOfPoints=\"4\"", five);
+  EXPECT_EQ(refusal(two), "");
+}
+
 TEST(VtuReaderTest, Faults) {
   const std::string good = vtu(faces, points);
   expect_refused("", ReadFault::unknown_format);

@@ -74,6 +74,27 @@ TEST(Cuts, TerrainDomain) {
   EXPECT_NEAR(rock_of(thin), 16 * 4, 1e-9);
 }
 
+TEST(Cuts, HeightsThatAreMissingAreSaid) {
+  const std::string dem = "ncols 4\nnrows 3\nxllcenter 0\nyllcenter 0\ncellsize 2\n3 3 3 3\n3 -9999 3 3\n3 3 3 3\n";
+  const std::string terrain = "[domain]\nterrain = { file = \"dem.asc\", base = -1";
+  const auto result = run_of(terrain + " }\n", {{"dem.asc", dem}});
+  EXPECT_NEAR(rock_of(result), 2 * 4 * 4, 1e-9);
+  EXPECT_EQ(notes_with(result, "1 of 12 heights are missing: 4 of 6 cells, 66.7 % of the plan area, are left out"), 1U);
+  // not in what the window leaves
+  const auto part = run_of(terrain + ", window = [[4, 0], [6, 4]] }\n", {{"dem.asc", dem}});
+  EXPECT_EQ(notes_with(part, "heights are missing"), 0U);
+}
+
+/// The upper corner stands 0.2 m above the plane of the other three: 1 + 0.2 / 6 or 1 + 0.2 / 3 m3, as it is cut.
+TEST(Cuts, BentFacesOfADomainAreSaid) {
+  const std::string mesh =
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1.2\nv 0 1 1\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\n"
+      "f 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  const auto result = run_of("[domain]\nmesh = \"bent.obj\"\n", {{"bent.obj", mesh}});
+  EXPECT_NEAR(rock_of(result), 1 + 0.2 / 6, 1e-9);
+  EXPECT_EQ(notes_with(result, "1 faces of bodies are bent, with corners up to 0.0495 m off their plane"), 1U);
+}
+
 TEST(Cuts, WhatIsWrongWithThem) {
   EXPECT_EQ(
       error_of(

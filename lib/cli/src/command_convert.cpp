@@ -75,8 +75,10 @@ std::expected<Converted, std::string> convert(const ConvertInput& input, const s
   const std::string title = std::filesystem::path{in}.filename().string();
   if (const auto* mesh = std::get_if<io::MeshData>(&input.content)) {
     if (is_mesh(extension)) return faces_as(*mesh, extension);
-    CLEAVE_TRY(const report::Cells cells, blocks_of(*mesh, in));
-    return blocks_as(cells, extension, title);
+    CLEAVE_TRY(ConvertedBlocks blocks, blocks_of(*mesh, in));
+    Converted converted = blocks_as(blocks.cells, extension, title);
+    converted.notes.insert(converted.notes.begin(), blocks.notes.begin(), blocks.notes.end());
+    return converted;
   }
   if (is_network(extension))
     return std::unexpected(out + ":1: OUT: holds fractures, not blocks; give a scene or a file of joints as IN");

@@ -16,6 +16,7 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/geometry/polygon.hpp"
+#include "cleave/io/bodies.hpp"
 #include "cleave/io/file.hpp"
 #include "cleave/io/joint_csv.hpp"
 #include "cleave/io/mesh.hpp"
@@ -306,7 +307,10 @@ std::expected<ConvertInput, std::string> read_convert_input(const std::string& i
   if (extension == ".vtu") {
     const auto polyhedra = io::parse_vtu(*bytes, file);
     if (!polyhedra) return std::unexpected(message_of(polyhedra.error()));
-    return ConvertInput{cells_of(*polyhedra), {}};
+    const io::UnbentCells unbent = io::without_bent_faces(*polyhedra);
+    ConvertInput input{cells_of(unbent.cells), {}};
+    if (unbent.note) input.notes.push_back(*unbent.note);
+    return input;
   }
   auto mesh = mesh_of_file(extension, *bytes, file);
   if (!mesh || !*mesh) return std::unexpected(mesh ? mesh->error() : std::string{known_endings});
@@ -314,24 +318,32 @@ std::expected<ConvertInput, std::string> read_convert_input(const std::string& i
   return ConvertInput{std::move(**mesh), std::move(notes)};
 }
 
-std::expected<report::Cells, std::string> blocks_of(const io::MeshData& mesh, const std::string& in) {
+std::expected<ConvertedBlocks, std::string> blocks_of(const io::MeshData& given, const std::string& in) {
+  const io::Unbent unbent = io::without_bent_faces(given);
+  const io::MeshData& mesh = unbent.mesh;
   std::vector<std::vector<std::size_t>> faces_of_group(mesh.groups.size());
   for (std::size_t f = 0; f < mesh.faces(); ++f) faces_of_group[mesh.group[f]].push_back(f);
-  report::Cells cells;
+  ConvertedBlocks result;
+  report::Cells& cells = result.cells;
+  if (unbent.note) result.notes.push_back(*unbent.note);
   for (std::uint32_t group = 0; group < mesh.groups.size(); ++group) {
     if (faces_of_group[group].empty()) continue;
     const io::MeshData part = part_of(mesh, faces_of_group[group]);
-    if (is_closed(part) && add_block(cells, part.vertices, faces_of(part), group) > 0) continue;
-    const auto solid = io::solid_of(part);  // welds corners at one place, and says what is wrong
-    if (!solid) {
+    const auto no_block = [&](const geometry::SolidError& error) {
       return std::unexpected(fmt::format("{}:{}: group \"{}\": is no block: {}", in, std::max(1U, part.lines[0]),
-                                         mesh.groups[group], describe(solid.error())));
+                                         mesh.groups[group], describe(error)));
+    };
+    if (is_closed(part)) {
+      if (const auto overlap = io::overlap_of(part)) return no_block(*overlap);
+      if (add_block(cells, part.vertices, faces_of(part), group) > 0) continue;
     }
+    const auto solid = io::solid_of(part);  // welds corners at one place, and says what is wrong
+    if (!solid) return no_block(solid.error());
     std::vector<std::vector<std::uint32_t>> faces;
     for (const geometry::SolidFace& face : solid->faces()) faces.push_back(face.corners);
     add_block(cells, solid->vertices(), faces, group);
   }
-  return cells;
+  return result;
 }
 
 }  // namespace cleave::cli

@@ -23,6 +23,11 @@ struct ConvertInput {
 [[nodiscard]] std::expected<ConvertInput, std::string> read_convert_input(const std::string& in,
                                                                           std::uint64_t realization);
 
-/// Each group of the mesh as a block, when all are closed; else what is wrong.
-[[nodiscard]] std::expected<report::Cells, std::string> blocks_of(const io::MeshData& mesh, const std::string& in);
+struct ConvertedBlocks {
+  report::Cells cells;
+  std::vector<std::string> notes;
+};
+/// Each group of the mesh as a block, when all are closed; else what is wrong. Bent faces become triangles.
+[[nodiscard]] std::expected<ConvertedBlocks, std::string> blocks_of(const io::MeshData& mesh, const std::string& in);
+
 }  // namespace cleave::cli

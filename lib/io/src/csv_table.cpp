@@ -13,13 +13,6 @@
 namespace cleave::io {
 namespace {
 
-std::string header_name(std::string_view cell) {
-  std::string name = lower(trimmed(cell));
-  std::ranges::replace(name, ' ', '_');
-  std::ranges::replace(name, '-', '_');
-  return name;
-}
-
 class CsvReader final {
  public:
   CsvReader(std::string_view bytes, std::string_view file) : rows_{bytes, file}, file_{file} {}
@@ -37,7 +30,7 @@ class CsvReader final {
         for (std::string& cell : cells) {
           const ColumnHead head = column_head(cell);
           table_.units.emplace_back(head.unit);
-          cell = header_name(head.name);
+          cell = column_name(head.name);
         }
         table_.header = std::move(cells);
         has_header = true;
@@ -83,6 +76,13 @@ class CsvReader final {
 };
 
 }  // namespace
+
+std::string column_name(std::string_view cell) {
+  std::string name = lower(trimmed(cell));
+  std::ranges::replace(name, ' ', '_');
+  std::ranges::replace(name, '-', '_');
+  return name;
+}
 
 std::expected<CsvTable, ReadError> parse_csv(std::string_view bytes, std::string_view name) {
   if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) {

@@ -23,6 +23,9 @@ struct CsvTable {
   std::vector<Row> rows;
 };
 
+/// Lower case, blanks and hyphens as underscores.
+[[nodiscard]] std::string column_name(std::string_view cell);
+
 /// Comma or semicolon, found from the header (both outside quotes: an error). Quotes as in RFC 4180, also over line
 /// ends. Blank lines and lines that begin with # are skipped; so is a byte order mark.
 [[nodiscard]] std::expected<CsvTable, ReadError> parse_csv(std::string_view bytes, std::string_view name);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "cleave/core/expected.hpp"
@@ -63,6 +64,8 @@ class FabReader final {
       return std::unexpected(whole_file(ReadFault::empty, lines_.file(), "holds no fracture",
                                         "give a file with a section BEGIN FRACTURE"));
     }
+    CLEAVE_CHECK(compare(fractures_, polygons_read_, "No_Fractures"));
+    CLEAVE_CHECK(compare(tessellated_, surfaces_read_, "No_TessFractures"));
     if (metres_ != 1) result_.notes.emplace_back("converted from feet to metres");
     if (flattened_ > 0) {
       result_.notes.push_back(fmt::format(
@@ -135,6 +138,8 @@ class FabReader final {
       }
       metres_ = feet ? 0.3048 : 1;
     }
+    if (same_word(key, "no_fractures")) fractures_ = Stated{std::string{value}, lines_.number()};
+    if (same_word(key, "no_tessfractures")) tessellated_ = Stated{std::string{value}, lines_.number()};
     if (same_word(key, "no_properties")) {
       const auto number = number_of(value);
       if (!number || !(*number >= 0 && *number <= 1e6) || *number != std::floor(*number)) {
@@ -144,6 +149,22 @@ class FabReader final {
       properties_ = static_cast<std::uint32_t>(*number);
     }
     return {};
+  }
+
+  /// How many there are, by the header.
+  struct Stated {
+    std::string number;
+    std::uint32_t line;
+  };
+  [[nodiscard]] std::expected<void, ReadError> compare(const std::optional<Stated>& stated, std::uint64_t found,
+                                                       std::string_view key) const {
+    const auto number = number_of(stated ? std::string_view{stated->number} : "");
+    if (!stated || (number && *number == static_cast<double>(found))) return {};
+    ReadError error =
+        wrong(ReadFault::truncated, fmt::format("{} is {}, the file has {}", key, shown(stated->number), found),
+              fmt::format("get the whole file again, or correct {}", key));
+    error.line = stated->line;
+    return std::unexpected(std::move(error));
   }
 
   /// Set1 = "name"
@@ -219,6 +240,7 @@ class FabReader final {
       }
       if (polygons_.full(corner_count)) return std::unexpected(too_many());
       make_planar(corners);
+      ++polygons_read_;
       polygons_.add_face(corners, polygons_.group_named(has_set ? set_name(head[2]) : ""), first_line);
     }
   }
@@ -261,6 +283,7 @@ class FabReader final {
       }
       const std::uint32_t group = surfaces_.new_group(head.size() > 3 ? set_name(head[3]) : "");
       for (std::size_t f = 0; f < face_count; ++f) CLEAVE_CHECK(read_triangle(nodes, group));
+      ++surfaces_read_;
     }
   }
 
@@ -296,6 +319,8 @@ class FabReader final {
   std::map<double, std::string> sets_;
   MeshBuilder polygons_;
   MeshBuilder surfaces_;
+  std::optional<Stated> fractures_, tessellated_;
+  std::uint64_t polygons_read_ = 0, surfaces_read_ = 0;
   std::uint64_t flattened_ = 0;
   double largest_move_ = 0;
   Surfaces result_;

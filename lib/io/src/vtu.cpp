@@ -15,6 +15,7 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/io/mesh.hpp"
 #include "text.hpp"
+#include "vtu_check.hpp"
 #include "xml_tags.hpp"
 
 namespace cleave::io {
@@ -94,6 +95,8 @@ class VtuReader final {
     CLEAVE_CHECK(read_points());
     CLEAVE_CHECK(read_cells());
     CLEAVE_CHECK(read_blocks());
+    CLEAVE_CHECK(check_counts());
+    CLEAVE_CHECK(check_cells());
     return std::move(result_);
   }
 
@@ -122,6 +125,9 @@ class VtuReader final {
       } else if (tag->name == "Piece" && ++pieces == 2) {
         return std::unexpected(
             wrong(ReadFault::unknown_format, "has several pieces", "save it as one piece, not in parallel"));
+      } else if (tag->name == "Piece") {
+        stated_points_ = tag->find("NumberOfPoints");
+        stated_cells_ = tag->find("NumberOfCells");
       } else if (tag->name == "Points" || tag->name == "Cells" || tag->name == "CellData") {
         section = tag->name;
       } else if (tag->name == "/Points" || tag->name == "/Cells" || tag->name == "/CellData") {
@@ -157,7 +163,8 @@ class VtuReader final {
 
   std::expected<void, ReadError> read_array(const std::string& section, const XmlTag& tag) {
     const string_view name = tag.find("Name").value_or("");
-    const bool wanted = section == "Points" || section == "Cells" || (section == "CellData" && name == "block");
+    const bool wanted =
+        section == "Points" || section == "Cells" || (section == "CellData" && (name == "block" || name == "volume"));
     if (!wanted) return {};
     const auto type = type_named(tag.find("type").value_or(""));
     if (!type) {
@@ -176,7 +183,9 @@ class VtuReader final {
       return std::unexpected(
           wrong(ReadFault::unknown_format, fmt::format("the array {} is {}", shown(name), shown(format)), resave));
     }
-    const std::string key = section == "Points" ? "points" : section == "CellData" ? "block" : std::string{name};
+    const std::string key = section == "Points"     ? "points"
+                            : section == "CellData" ? "cell " + std::string{name}
+                                                    : std::string{name};
     arrays_.insert_or_assign(key, std::move(array));
     return {};
   }
@@ -322,11 +331,11 @@ class VtuReader final {
 
   std::expected<void, ReadError> read_blocks() {
     const std::size_t cells = result_.size();
-    if (!arrays_.contains("block")) {
+    if (!arrays_.contains("cell block")) {
       for (std::size_t c = 0; c < cells; ++c) result_.block.push_back(static_cast<std::uint32_t>(c));
       return {};
     }
-    CLEAVE_TRY(const Array* blocks, need("block", false));
+    CLEAVE_TRY(const Array* blocks, need("cell block", false));
     const bool fit = blocks->wholes.size() == cells && std::ranges::all_of(blocks->wholes, [](std::int64_t b) {
                        return b >= 0 && b < std::int64_t{0xFFFFFFFE};
                      });
@@ -338,12 +347,44 @@ class VtuReader final {
     return {};
   }
 
+  std::expected<void, ReadError> check_counts() const {
+    const auto differ = [](std::optional<string_view> stated, std::size_t count) {
+      const auto number = number_of(stated.value_or(""));
+      return stated && !(number && *number == static_cast<double>(count));
+    };
+    if (!differ(stated_points_, result_.points.size()) && !differ(stated_cells_, result_.size())) return {};
+    return std::unexpected(
+        whole(ReadFault::truncated,
+              fmt::format("has {} points and {} cells, but says NumberOfPoints {} and NumberOfCells {}",
+                          result_.points.size(), result_.size(), shown(stated_points_.value_or("")),
+                          shown(stated_cells_.value_or(""))),
+              "get the whole file again, or correct the tag Piece"));
+  }
+
+  std::expected<void, ReadError> check_cells() const {
+    std::vector<double> volumes;
+    if (const auto found = arrays_.find("cell volume"); found != arrays_.end()) {
+      volumes = found->second.reals;
+      for (const std::int64_t whole_number : found->second.wholes) volumes.push_back(static_cast<double>(whole_number));
+      if (volumes.size() != result_.size()) {
+        return std::unexpected(whole(
+            ReadFault::out_of_range,
+            fmt::format("has {} cells but {} numbers in the cell array \"volume\"", result_.size(), volumes.size()),
+            "save it anew"));
+      }
+    }
+    auto fault = fault_of_cells(result_, volumes);
+    if (!fault) return {};
+    return std::unexpected(whole(ReadFault::out_of_range, std::move(fault->what), std::move(fault->remedy)));
+  }
+
   string_view all_;
   string_view rest_;
   string_view file_;
   std::endian order_ = std::endian::little;
   std::size_t header_size_ = 4;
-  std::map<std::string, Array, std::less<>> arrays_;
+  std::optional<string_view> stated_points_, stated_cells_;
+  std::map<std::string, Array, std::less<>> arrays_;  ///< cell arrays as "cell NAME"
   Polyhedra result_;
 };
 

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -9,18 +8,11 @@
 
 #include "cleave/core/expected.hpp"
 #include "cleave/io/height_grid.hpp"
-#include "height_limits.hpp"
 #include "text.hpp"
+#include "xyz_points.hpp"
 
 namespace cleave::io {
 namespace {
-
-using geometry::Vec3;
-
-struct Sample {
-  Vec3 at;
-  std::uint32_t line;
-};
 
 /// Where the columns (or rows) of a grid stand.
 struct Axis {
@@ -36,19 +28,6 @@ struct Axis {
     return static_cast<std::uint32_t>(nearest);
   }
 };
-
-bool is_separator(char c) { return is_blank(c) || c == ',' || c == ';'; }
-
-std::string_view take_field(std::string_view& line) {
-  while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
-  std::size_t end = 0;
-  while (end < line.size() && !is_separator(line[end])) ++end;
-  const std::string_view field = line.substr(0, end);
-  line.remove_prefix(end);
-  while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
-  if (!line.empty() && is_separator(line.front())) line.remove_prefix(1);
-  return field;
-}
 
 /// The grid on which all values lie, from their usual distance; its last digits are those of the whole length, since
 /// a step of 1/3 m written with two decimals is 0.33 or 0.34.
@@ -75,11 +54,11 @@ std::optional<Axis> axis_of(std::vector<double> values) {
 
 class XyzReader final {
  public:
-  XyzReader(std::string_view bytes, std::string_view file, const HeightGridOptions& options)
-      : lines_{bytes, file}, options_{options} {}
+  XyzReader(XyzPoints points, std::string_view file) : samples_{std::move(points.samples)}, file_{file} {
+    grid_.notes = std::move(points.notes);
+  }
 
   std::expected<HeightGrid, ReadError> run() {
-    CLEAVE_CHECK(read_samples());
     CLEAVE_CHECK(find_grid());
     CLEAVE_CHECK(fill_grid());
     return std::move(grid_);
@@ -87,62 +66,13 @@ class XyzReader final {
 
  private:
   [[nodiscard]] ReadError whole(ReadFault fault, std::string what, std::string remedy) const {
-    return whole_file(fault, lines_.file(), std::move(what), std::move(remedy));
-  }
-
-  std::expected<void, ReadError> read_samples() {
-    bool may_be_names = true;
-    std::string_view line;
-    while (lines_.next(line)) {
-      std::string_view rest = trimmed(line.substr(0, line.find('#')));
-      if (rest.empty()) continue;
-      const bool names = std::exchange(may_be_names, false) && is_names(rest);
-      if (names) continue;
-      std::array<double, 3> p{};
-      for (double& coordinate : p) {
-        const auto number = number_of(take_field(rest));
-        if (!number) {
-          return std::unexpected(lines_.error(ReadFault::bad_number, number.error(),
-                                              "give x, y and z on each line, in metres, with a decimal point"));
-        }
-        coordinate = *number;
-      }
-      CLEAVE_CHECK(add({p[0], p[1], p[2]}));
-    }
-    if (samples_.empty()) return std::unexpected(whole(ReadFault::empty, "holds no height", "give lines of x y z"));
-    return {};
-  }
-
-  /// A first line such as "x,y,z" or "X Y Elevation": begins with a letter and has no digits at the start of any field.
-  static bool is_names(std::string_view line) {
-    while (!line.empty()) {
-      const std::string_view field = take_field(line);
-      if (number_of(field)) return false;
-      if (!field.empty()) {
-        const char c = field.front();
-        const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '"' || c == '/';
-        if (!letter) return false;
-        if (same_word(field, "nan") || same_word(field, "inf")) return false;
-      }
-    }
-    return true;
-  }
-
-  std::expected<void, ReadError> add(Vec3 p) {
-    const bool none = options_.no_data && same_height(p.z, *options_.no_data);
-    if (!(std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && (none || std::abs(p.z) <= farthest))) {
-      return std::unexpected(lines_.error(ReadFault::out_of_range,
-                                          fmt::format("({}, {}, {}) is too far", p.x, p.y, p.z),
-                                          "coordinates and heights reach from -1e9 to 1e9 m"));
-    }
-    if (!none) samples_.push_back({p, lines_.number()});
-    return {};
+    return whole_file(fault, file_, std::move(what), std::move(remedy));
   }
 
   std::expected<void, ReadError> find_grid() {
     std::vector<double> xs;
     std::vector<double> ys;
-    for (const Sample& sample : samples_) {
+    for (const XyzPoints::Sample& sample : samples_) {
       xs.push_back(sample.at.x);
       ys.push_back(sample.at.y);
     }
@@ -172,7 +102,7 @@ class XyzReader final {
     grid_.step_y = y_axis_.step;
     grid_.heights.assign(std::size_t{grid_.columns} * grid_.rows, std::numeric_limits<double>::quiet_NaN());
     std::uint64_t repeated = 0;
-    for (const Sample& sample : samples_) {
+    for (const XyzPoints::Sample& sample : samples_) {
       const auto column = x_axis_.index(sample.at.x);
       const auto from_south = y_axis_.index(sample.at.y);
       if (!column || !from_south) {
@@ -186,7 +116,7 @@ class XyzReader final {
       if (!std::isnan(height) && height != sample.at.z) {
         return std::unexpected(
             ReadError{ReadFault::out_of_range,
-                      std::string{lines_.file()},
+                      std::string{file_},
                       sample.line,
                       {},
                       fmt::format("({}, {}) has two heights, {} and {}", sample.at.x, sample.at.y, height, sample.at.z),
@@ -199,9 +129,8 @@ class XyzReader final {
     return {};
   }
 
-  LineReader lines_;
-  const HeightGridOptions& options_;
-  std::vector<Sample> samples_;
+  std::vector<XyzPoints::Sample> samples_;
+  std::string_view file_;
   Axis x_axis_;
   Axis y_axis_;
   HeightGrid grid_;
@@ -211,7 +140,8 @@ class XyzReader final {
 
 std::expected<HeightGrid, ReadError> parse_xyz_grid(std::string_view bytes, std::string_view name,
                                                     const HeightGridOptions& options) {
-  return XyzReader{without_bom(bytes), name, options}.run();
+  CLEAVE_TRY(XyzPoints points, read_xyz_points(bytes, name, options));
+  return XyzReader{std::move(points), name}.run();
 }
 
 }  // namespace cleave::io

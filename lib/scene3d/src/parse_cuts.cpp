@@ -1,6 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <string_view>
 #include <utility>
 
@@ -81,6 +85,29 @@ std::optional<geometry::Solid> parse_profile_cut(const Context& context, const T
   return std::nullopt;
 }
 
+/// Cells of a grid that lack a height at a corner are no ground: how many they are, and what share of the plan.
+void note_missing_heights(Context& context, const std::string& shown, const std::vector<double>& values,
+                          std::uint32_t columns, std::uint32_t rows) {
+  std::uint64_t left_out = 0, cells = 0;
+  for (std::size_t r = 0; r + 1 < rows; ++r) {
+    for (std::size_t c = 0; c + 1 < columns; ++c) {
+      const std::size_t at = r * columns + c;
+      const bool whole = !std::isnan(values[at] + values[at + 1] + values[at + columns] + values[at + columns + 1]);
+      ++cells;
+      left_out += whole ? 0U : 1U;
+    }
+  }
+  if (left_out == 0) return;
+  const auto missing = std::ranges::count_if(values, [](double z) { return std::isnan(z); });
+  context.problems.note_in(
+      shown, 1, "file",
+      fmt::format(
+          "{} of {} heights are missing: {} of {} cells, {:.3g} % of the plan area, are left out; terrain has no "
+          "rock below them, a slope's surface cuts nothing there",
+          missing, values.size(), left_out, cells, 100 * static_cast<double>(left_out) / static_cast<double>(cells)),
+      "");
+}
+
 /// Heights of a grid file, thinned and cut to a window where the scene asks for it.
 std::optional<geometry::Ground> ground_of_grid(Context& context, const TableReader& owner, const LoadedFile& loaded) {
   auto grid = io::parse_height_grid(loaded.bytes, loaded.shown);
@@ -113,6 +140,7 @@ std::optional<geometry::Ground> ground_of_grid(Context& context, const TableRead
       values.push_back(grid->heights[std::size_t{last_row - r * every} * grid->columns + first_column + c * every]);
     }
   }
+  note_missing_heights(context, loaded.shown, values, columns, rows);
   return geometry::ground_of({.columns = columns,
                               .rows = rows,
                               .x = grid->x_of(first_column),

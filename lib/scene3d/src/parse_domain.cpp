@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "cleave/io/bodies.hpp"
 #include "cleave/scene/file_input.hpp"
 #include "cleave/scene3d/key_tables.hpp"
 #include "context.hpp"
@@ -102,9 +103,11 @@ std::optional<geometry::Solid> parse_domain(Context& context, const TableReader&
 std::optional<geometry::Solid> parse_mesh(Context& context, const TableReader& owner, std::string_view key) {
   const auto loaded = context.file(owner, key);
   if (!loaded) return std::nullopt;
-  const auto mesh = mesh_of(context, owner, key, *loaded);
+  auto mesh = mesh_of(context, owner, key, *loaded);
   if (!mesh) return std::nullopt;
-  auto solid = io::solid_of(*mesh);
+  const io::Unbent unbent = io::without_bent_faces(std::move(*mesh));
+  if (unbent.note) context.problems.note_in(loaded->shown, 1, "file", *unbent.note, "");
+  auto solid = io::solid_of(unbent.mesh);
   if (solid) return std::move(*solid);
   owner.error(key, fmt::format("{}: {}", loaded->shown, describe(solid.error())), "");
   return std::nullopt;

@@ -44,9 +44,10 @@ struct HeightGridOptions {
 /// broken anywhere. A height that is NODATA as a float32 is none too (-3.402823e38 is written with few digits).
 [[nodiscard]] std::expected<HeightGrid, ReadError> parse_esri_grid(std::string_view bytes, std::string_view name,
                                                                    const HeightGridOptions& options = {});
-/// Lines of x, y, z in any order (separated by blanks, tabs, commas or semicolons; further columns are not looked at;
-/// a line of names may come first; # begins a comment) whose x and y lie on a rectangular grid along the axes, to 5 %
-/// of its step. Places without a point have no height. Refused when less than a tenth of the grid is there.
+/// Lines of x, y, z (parted by blanks, tabs, commas, or by semicolons, with which numbers may have decimal commas; #
+/// begins a comment), or a first line that names the columns, in any order, and their units. The points come in any
+/// order; x and y lie on a rectangular grid along the axes, to 5 % of its step. Places without a point have no height.
+/// Refused when less than a tenth of the grid is there, and for lines with more or fewer cells than columns.
 [[nodiscard]] std::expected<HeightGrid, ReadError> parse_xyz_grid(std::string_view bytes, std::string_view name,
                                                                   const HeightGridOptions& options = {});
 

@@ -126,8 +126,9 @@ struct Surfaces {
 
 // ---- Polyhedra ------------------------------------------------------------------------------------------------------
 
-/// Polyhedra as a VTU file lists them. Plain data: indices exist, coordinates are finite, every cell has four faces or
-/// more, every face three corners or more; nothing else is checked.
+/// Polyhedra as a VTU file lists them. Plain data: indices exist, coordinates are within 1e9 m, every cell has four
+/// faces or more, every face three corners or more; each cell is closed, its faces look outwards, none comes twice,
+/// and its volume is the one that the file states, to 1e-6.
 struct Polyhedra {
   std::vector<geometry::Vec3> points;
   /// Per cell: number of faces, then for each face its number of points and the points.
