@@ -34,6 +34,9 @@ TEST_F(CommandsTest, WrongCallsAreWrongInput) {
     EXPECT_EQ(ended.out, "") << call;
   }
   EXPECT_EQ(names(), (std::vector<std::string>{"s.toml"}));
+  const Ended help = cleave("help");
+  EXPECT_EQ(help.code, 0);
+  EXPECT_EQ(help.out, cleave("--help").out);
 }
 
 TEST_F(CommandsTest, ScenesOfInitPassCheckAndRun) {

@@ -65,7 +65,7 @@ TEST_F(ExamplesTest, SlabBehindToeIsOneKeyGroup) {
   EXPECT_EQ(table.substr(0, table.find('\n')),
             "group,batch,verdict,blocks,volume_m3,factor_up,factor_move,direction_x,direction_y,direction_z,moments,"
             "load_case,stage,let_go,x_m,y_m,z_m,location,chainage_m,clock,free_area_m2,sets,factor_with_moments,"
-            "factor_of_largest,doubt");
+            "factor_of_largest,doubt,net_force_n");
   EXPECT_NE(table.find("\n1,1,unsafe,"), std::string::npos) << table;
 }
 

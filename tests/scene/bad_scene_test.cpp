@@ -77,10 +77,6 @@ INSTANTIATE_TEST_SUITE_P(
                      "anchorage = 0.5\n"),
             "s.toml:12: support.bolts[1].arc: leaves no bolts: no wall of the section has its normal there, or rings "
             "begin beyond the tunnel's end; widen the arc, or lessen the offset"},
-        Bad{"BoltsWithoutBondAndAnchorage",
-            with_box("[stability]\n[[support.bolts]]\nat = [[4, 4, 6]]\ndirection = [0, 0, -1]\nlength = 2\n"
-                     "tendon_capacity = 1e5\n"),
-            "s.toml:5: support.bolts[1].bond_strength: is missing; add bond_strength = 200e3, N per metre"},
         Bad{"ProbabilityOfJointsThatEndAtNone",
             with_box("[[joint_set]]\norientation = { dip = 30, dip_direction = 90 }\nsize = 3\n"
                      "intensity = { count = 3 }\nprobability = 50\n"),
@@ -382,6 +378,15 @@ TEST(BadSceneTest, AWrongValueIsToldOnce) {
   ASSERT_EQ(errors.size(), 2U);
   EXPECT_TRUE(errors[0].contains("stability.target.falling: is 150")) << errors[0];
   EXPECT_TRUE(errors[1].contains("stability.target.sliding: is -1")) << errors[1];
+}
+
+TEST(BadSceneTest, KeysThatBoltsMissAreToldTogether) {
+  const auto errors =
+      errors_of(with_box("[stability]\n[[support.bolts]]\nat = [[4, 4, 6]]\ndirection = [0, 0, -1]\nlength = 2\n"
+                         "tendon_capacity = 1e5\n"));
+  ASSERT_EQ(errors.size(), 2U);
+  EXPECT_TRUE(errors[0].contains("support.bolts[1].anchorage: is missing")) << errors[0];
+  EXPECT_TRUE(errors[1].contains("support.bolts[1].bond_strength: is missing")) << errors[1];
 }
 
 TEST(BadSceneTest, ControlCharactersAreRefused) {

@@ -152,7 +152,7 @@ TEST(KeyBlocksScene, TunnelsAreAsLongAsTheRockTheyTake) {
 TEST(KeyBlocksScene, GridsOfBoltsFollowNorth) {
   const auto turned = [](std::string_view north, std::string_view direction, std::string_view more) {
     std::string text = slope(1, 1, 0.5, 0.5, more);
-    for (std::size_t at = 0; (at = text.find("dip_direction = 90", at)) != std::string::npos;) {
+    for (std::size_t at = 0; (at = text.find("dip_direction = 90", at)) != std::string::npos; ++at) {
       text.replace(at, 18, fmt::format("dip_direction = {}", direction));
     }
     return run_of(fmt::format("north = {}\n{}", north, text));

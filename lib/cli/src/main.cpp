@@ -345,9 +345,9 @@ ExitCode run_program(int argc, char** argv) {
   add_compare(app.add_subcommand("compare", "old name of compare-designs")->group(""), chosen,
               "note: cleave compare is now cleave compare-designs; the old name goes with the next version\n");
 
-  if (argc < 2 || std::string_view{argv[1]} == "help") {
+  if (argc > 1 && std::string_view{argv[1]} == "help") {
     print(app.help());
-    return argc < 2 ? ExitCode::wrong_input : ExitCode::done;
+    return ExitCode::done;
   }
   try {
     app.parse(argc, argv);
