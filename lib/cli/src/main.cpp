@@ -326,6 +326,12 @@ ExitCode run_program(int argc, char** argv) {
   app.footer(
       "Exit codes: 0 done, 1 a bug in cleave, 2 the input is wrong, 3 the machine failed, 4 a check did not hold, 130 "
       "interrupted.");
+  app.add_subcommand("help", "prints what --help does")->group("")->callback([&app, &chosen] {
+    chosen = [&app] {
+      print(app.get_formatter()->make_help(&app, app.get_name(), CLI::AppFormatMode::Normal));
+      return ExitCode::done;
+    };
+  });
   add_run(app, chosen);
   add_merge(app, chosen);
   add_replay(app, chosen);
@@ -345,10 +351,6 @@ ExitCode run_program(int argc, char** argv) {
   add_compare(app.add_subcommand("compare", "old name of compare-designs")->group(""), chosen,
               "note: cleave compare is now cleave compare-designs; the old name goes with the next version\n");
 
-  if (argc > 1 && std::string_view{argv[1]} == "help") {
-    print(app.help());
-    return ExitCode::done;
-  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {  // --help, --version
