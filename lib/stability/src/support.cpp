@@ -319,8 +319,9 @@ class Check final {
 
   template <class Look>
   void place_spot_bolts(SupportedBlock& entry, Look look) {
-    const Vec3 motion = bodies_[needy_[entry.block]].bare.direction;
-    const std::array<Vec3, 2> wanted{entry.required_direction, -motion};
+    const Body& body = bodies_[needy_[entry.block]];
+    const Vec3 motion = body.bare.direction;
+    const std::array<Vec3, 2> wanted{spot_direction(body), -motion};
     std::uint32_t placed = 0;
     for (const Bolt& bolt : spot_places(*complex_, entry.block, wanted, motion, *plan_->spot)) {
       if (placed == plan_->spot->most || entry.held != Held::not_held) break;

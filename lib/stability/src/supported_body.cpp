@@ -174,6 +174,11 @@ double fixed_mode_factor(const Body& body, Vec3 bolts, bool active) {
   return v.driving > along ? resistance / (v.driving - along) : infinite;
 }
 
+Vec3 spot_direction(const Body& body) {
+  const bool one_plane = body.bare.resistance.pressing.size() == 1;
+  return geometry::normalized(-body.bare.direction - (one_plane ? pressed_by(body) : Vec3{}));
+}
+
 SingleForce best_force(const Body& body, const Settings& settings) {
   const double most = 1.05 * body.target * body.bare.driving;
   const auto along = [&](Vec3 direction) {

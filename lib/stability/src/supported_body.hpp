@@ -61,4 +61,8 @@ struct SingleForce {
 /// atan(tan(friction)/target) to the planes that press, and that straight against the motion.
 [[nodiscard]] SingleForce best_force(const Body& body, const Settings& settings);
 
+/// Where spot bolts point first, whatever the target: at the friction angle to the one plane that presses, else
+/// straight against the motion.
+[[nodiscard]] geometry::Vec3 spot_direction(const Body& body);
+
 }  // namespace cleave::stability
