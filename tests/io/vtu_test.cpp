@@ -130,6 +130,9 @@ TEST(VtuReaderTest, PointsOfTheirOwnForEachFaceAndThinCellsAreRead) {
   const std::string folded = "6 3 0 2 1 3 0 1 3 3 0 3 2 3 1 2 3 3 0 4 1 3 4 1 0";
   const std::string five = "NumberOfPoints=\"5\"";
   EXPECT_EQ(refusal(replaced(vtu(folded, points + " 0 0 0", "7", "25"), "NumberOfPoints=\"4\"", five)), "");
+  // the same one twice
+  const std::string twice = "6 3 0 2 1 3 0 1 3 3 0 3 2 3 1 2 3 3 0 4 1 3 0 4 1";
+  EXPECT_EQ(refusal(replaced(vtu(twice, points + " 0 0 0", "7", "25"), "NumberOfPoints=\"4\"", five)), "");
   const std::string two =
       replaced(vtu("6 3 0 2 4 3 0 1 3 3 0 3 2 3 1 2 3 3 0 4 1 3 4 2 1", "0 0 0 1 0 0 0 1 0 0 0 1 1 1e-16 0", "7", "25"),
                "NumberOfPoints=\"4\"", five);
