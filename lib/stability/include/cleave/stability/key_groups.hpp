@@ -31,8 +31,8 @@ struct KeyGroup {
   geometry::Vec3 direction = {};  ///< unit, of the largest block; zero when in doubt
   /// What is out of balance: mass times acceleration, summed over the blocks. Empty when in doubt.
   std::optional<Force> net = {};
-  double factor_up = 0;           ///< above it motion is certain; infinite when there is no such factor
-  double factor_move = 0;         ///< factor of safety of the group
+  double factor_up = 0;    ///< above it motion is certain; infinite when there is no such factor
+  double factor_move = 0;  ///< factor of safety of the group
   /// With moments, of what translation alone moves; empty where it was not looked for.
   std::optional<double> factor_turning = {};
   /// The lesser of both.
