@@ -143,9 +143,8 @@ TEST(KeyBlocksScene, TunnelsAreAsLongAsTheRockTheyTake) {
       "section = { shape = \"rectangle\", width = 2, height = 2 }\naxis = [[4, -4, 3], [4, 8, 3]]\n"
       "[joints.default]\nfriction = 30\n[stability]\n[monte_carlo]\nrealizations = 2\n";
   EXPECT_NEAR(run_of(text).tunnel_length.value().si(), 8, 1e-9);
-  const stochastic::EnsembleOptions options = ensemble_options_of(scene_of(text));
-  EXPECT_NEAR(options.tunnel_in_rock.value().si(), 8, 1e-9);
-  EXPECT_NEAR(options.tunnel_length_m.value(), 12, 1e-9);
+  EXPECT_NEAR(tunnel_in_rock(scene_of(text)).value().si(), 8, 1e-9);
+  EXPECT_NEAR(ensemble_options_of(scene_of(text)).tunnel_length_m.value(), 12, 1e-9);
 }
 
 // Azimuths of grids count from true north as those of joints do.

@@ -60,17 +60,14 @@ std::vector<std::vector<std::uint32_t>> orders_of(const Scene& scene) {
   return orders;
 }
 
-namespace {
-/// Of the tunnel whose axis is asked about, what lies outside the rock.
-double outside_share_of_tunnel(const Scene& scene) {
+std::optional<Length> tunnel_in_rock(const Scene& scene) {
+  const auto tunnel = std::ranges::find_if(scene.excavations, [](const auto& e) { return !e.axis.empty(); });
+  if (tunnel == scene.excavations.end()) return std::nullopt;
   const auto taken = excavated(scene);
-  if (!taken) return 0;
-  for (std::size_t e = 0; e < scene.excavations.size(); ++e) {
-    if (!scene.excavations[e].axis.empty()) return taken->openings[e].outside_share.value_or(0);
-  }
-  return 0;
+  const auto number = static_cast<std::size_t>(tunnel - scene.excavations.begin());
+  const double outside = taken ? taken->openings[number].outside_share.value_or(0) : 0;
+  return metres(stochastic::length_of(tunnel->axis) * (1 - outside));
 }
-}  // namespace
 
 stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
   const stochastic::Questions questions = questions_of(scene);
@@ -87,10 +84,7 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
                                       .clamped = questions.clamped,
                                       .orders = orders_of(scene).size(),
                                       .strengths_per_geometry = strengths_per_geometry(scene)};
-  if (!questions.axis.empty()) {
-    options.tunnel_length_m = stochastic::length_of(questions.axis);
-    options.tunnel_in_rock = metres(*options.tunnel_length_m * (1 - outside_share_of_tunnel(scene)));
-  }
+  if (!questions.axis.empty()) options.tunnel_length_m = stochastic::length_of(questions.axis);
   for (const auto& [name, p] : Percentiles::levels) options.size_levels.push_back(p);
   if (scene.stability) {
     for (const LoadCase& load : scene.stability->cases) options.cases.push_back(load.name);
@@ -288,6 +282,15 @@ StoppedBy reason(const MonteCarloSettings& settings, const Ensemble& ensemble) {
 
 }  // namespace
 
+namespace {
+/// With nothing added yet.
+Ensemble empty_ensemble(const Scene& scene) {
+  stochastic::EnsembleOptions options = ensemble_options_of(scene);
+  options.tunnel_in_rock = tunnel_in_rock(scene);
+  return Ensemble{std::move(options)};
+}
+}  // namespace
+
 std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& scene, unsigned threads,
                                                                  const std::filesystem::path& path,
                                                                  const stochastic::Shard& shard,
@@ -328,7 +331,7 @@ std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& sc
              RecordFile::open(path, {.scene_sha256 = scene_and_files_sha256(scene),
                                      .seed = scene.seed,
                                      .shard = {shard.number, shard.of, strengths_per_geometry(scene)}}));
-  Ensemble ensemble{ensemble_options_of(scene)};
+  Ensemble ensemble = empty_ensemble(scene);
   // Records of an earlier call come first; they may reach beyond the look at which the run stops.
   std::uint64_t seen = 0;
   const auto take_until = [&](std::uint64_t end) -> std::expected<void, RecordFileError> {
@@ -367,7 +370,7 @@ std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& sc
 
 std::expected<MonteCarloResult, RecordFileError> figures_of_records(const Scene& scene,
                                                                     const std::filesystem::path& path) {
-  Ensemble ensemble{ensemble_options_of(scene)};
+  Ensemble ensemble = empty_ensemble(scene);
   const auto read = stochastic::read_records(path, [&](const Record& record, std::string_view line) {
     ensemble.add(record, line);
     return true;

@@ -476,10 +476,6 @@ class Search final {
 
 }  // namespace
 
-Force out_of_balance(const Settings& settings, const topology::Block& block, const assembly::Rate& rate) {
-  return newtons(settings.rock.density().si() * block.volume.si() * norm(rate.velocity));
-}
-
 KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& settings, const Together& most,
                         assembly::Ask ask) {
   return Search{complex, settings, most, ask}.run();

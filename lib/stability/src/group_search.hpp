@@ -9,7 +9,10 @@
 namespace cleave::stability {
 
 /// Mass times the acceleration of the centroid.
-[[nodiscard]] Force out_of_balance(const Settings& settings, const topology::Block& block, const assembly::Rate& rate);
+[[nodiscard]] inline Force out_of_balance(const Settings& settings, const topology::Block& block,
+                                          const assembly::Rate& rate) {
+  return newtons(settings.rock.density().si() * block.volume.si() * norm(rate.velocity));
+}
 
 /// With `ask` for verdicts alone groups have no factors; so it is in all searches below.
 [[nodiscard]] KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& settings,

@@ -23,7 +23,10 @@ namespace cleave::scene {
 
 /// What is counted in every realization of the scene. Chainage runs along the first tunnel.
 [[nodiscard]] stochastic::Questions questions_of(const Scene& scene);
+/// Without `tunnel_in_rock`, for which rock is cut.
 [[nodiscard]] stochastic::EnsembleOptions ensemble_options_of(const Scene& scene);
+/// What of the first tunnel removes rock, the same in every realization: the openings are cut alone. Empty: no tunnel.
+[[nodiscard]] std::optional<Length> tunnel_in_rock(const Scene& scene);
 
 /// Orders of the excavation stages that every realization is judged in: the scene's own first, then those to compare;
 /// empty without [sequence].
