@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -97,13 +98,6 @@ constexpr auto quantity_fields = [](auto& q, const PairedEstimate& r) {
   q("gain", r.gain);
 };
 
-/// Names joined by commas.
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 std::string json_of(const std::vector<PairedEstimate>& rows, const std::vector<SameCase>& cases,
                     const std::string& first, const std::string& second, double confidence,
                     const std::vector<std::string>& notes) {
@@ -182,7 +176,7 @@ std::vector<std::string> notes_of(const stochastic::PairedComparison& pairs, std
     notes.push_back(fmt::format(
         "only {} was asked for {}: not compared. To see what bolts do give both scenes [support] with the same "
         "`target`, one of them without bolts",
-        *folder, listed(*names)));
+        *folder, fmt::join(*names, ", ")));
   }
   return notes;
 }
