@@ -34,7 +34,9 @@ bool crosses(const MotionCast::Tie& tie, double at) { return tie.leaves <= at &&
 std::string blocks_of(const MotionCast& cast, const std::vector<std::uint32_t>& bodies) {
   std::string out;
   for (const std::uint32_t body : bodies) {
-    const auto block = std::ranges::find(cast.body, body) - cast.body.begin();
+    const auto at = std::ranges::find(cast.body, body);
+    if (at == cast.body.end()) continue;
+    const auto block = at - cast.body.begin();
     out += fmt::format("{}block {}", out.empty() ? ": " : ", ", block);
   }
   return out;
