@@ -13,6 +13,7 @@
 #include "cleave/core/disjoint_sets.hpp"
 #include "cleave/geometry/polygon.hpp"
 #include "cleave/geometry/triangulate.hpp"
+#include "surface_measure.hpp"
 
 namespace cleave::io {
 namespace {
@@ -56,19 +57,9 @@ class Unbender final {
 
 /// Thinner than what rounded coordinates can show.
 bool is_thin(const MeshData& mesh) {
-  const Vec3 origin = mesh.vertices[mesh.corners[0]];
-  double six_volumes = 0, area = 0, reach = 0;
-  for (std::size_t f = 0; f < mesh.faces(); ++f) {
-    const auto face = mesh.face(f);
-    const auto at = [&](std::size_t i) { return mesh.vertices[face[i]] - origin; };
-    for (std::size_t i = 1; i + 1 < face.size(); ++i) {
-      six_volumes += dot(at(0), cross(at(i), at(i + 1)));
-      area += norm(cross(at(i) - at(0), at(i + 1) - at(0))) / 2;
-    }
-  }
-  for (const Vec3& p : mesh.vertices) reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-  constexpr double rounding = 1e-12;
-  return std::abs(six_volumes) / 6 <= rounding * reach * area;
+  const SurfaceMeasure found =
+      measure_surface(mesh.faces(), [&](std::size_t f) { return mesh.face(f); }, mesh.vertices);
+  return std::abs(found.volume) <= found.noise(1e-12);
 }
 
 }  // namespace
@@ -125,7 +116,6 @@ UnbentCells without_bent_faces(const Polyhedra& cells) {
 
 std::optional<geometry::SolidError> overlap_of(const MeshData& closed) {
   if (closed.faces() == 0 || is_thin(closed)) return std::nullopt;
-  if (closed.groups.size() == 1 && closed.groups[0].starts_with("block_")) return std::nullopt;
   std::vector<geometry::SolidFace> faces;
   for (std::size_t f = 0; f < closed.faces(); ++f) {
     const auto corners = closed.face(f);

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "height_limits.hpp"
+#include "surface_measure.hpp"
 
 namespace cleave::io {
 namespace {
@@ -104,27 +105,6 @@ std::optional<LooseEdge> loose_edge(std::span<const Face> faces) {
   return std::nullopt;
 }
 
-struct Measure {
-  double volume = 0;
-  double noise = 0;  ///< what rounded coordinates may add to the volume
-};
-Measure measure(std::span<const Face> faces, const std::vector<Vec3>& points) {
-  const Vec3 origin = points[faces[0][0]];
-  double six_volumes = 0, area = 0, reach = 0;
-  for (const Face& face : faces) {
-    const auto at = [&](std::size_t i) { return points[face[i]] - origin; };
-    for (std::size_t i = 1; i + 1 < face.size(); ++i) {
-      six_volumes += dot(at(0), cross(at(i), at(i + 1)));
-      area += norm(cross(at(i) - at(0), at(i + 1) - at(0))) / 2;
-    }
-    for (const std::uint32_t p : face) {
-      reach = std::max({reach, std::abs(points[p].x), std::abs(points[p].y), std::abs(points[p].z)});
-    }
-  }
-  constexpr double rounding = 4e-15;
-  return {six_volumes / 6, rounding * reach * area};
-}
-
 std::string shown(Vec3 p) { return fmt::format("({}, {}, {})", p.x, p.y, p.z); }
 
 std::optional<CellFault> fault_of_surface(std::span<const Face> faces, const std::vector<Vec3>& points) {
@@ -153,13 +133,14 @@ std::optional<CellFault> fault_of_surface(std::span<const Face> faces, const std
   return std::nullopt;
 }
 
-std::optional<CellFault> fault_of_volume(const Measure& found, std::optional<double> stated) {
-  if (found.volume < -found.noise) {
+std::optional<CellFault> fault_of_volume(const SurfaceMeasure& found, std::optional<double> stated) {
+  const double noise = found.noise(4e-15);
+  if (found.volume < -noise) {
     return CellFault{fmt::format("has the volume {:.7g} m3: its faces look inwards", found.volume),
                      "give the corners of all faces counter-clockwise as seen from outside"};
   }
-  if (!stated && !(found.volume > found.noise)) return CellFault{"has no volume", "remove it"};
-  if (!stated || std::abs(found.volume - *stated) <= 1e-6 * std::abs(*stated) + found.noise) return std::nullopt;
+  if (!stated && !(found.volume > noise)) return CellFault{"has no volume", "remove it"};
+  if (!stated || std::abs(found.volume - *stated) <= 1e-6 * std::abs(*stated) + noise) return std::nullopt;
   return CellFault{
       fmt::format("has the volume {:.10g} m3, but the cell array \"volume\" says {:.10g}", found.volume, *stated),
       "get the file again from the program that wrote it, or leave the array out"};
@@ -176,7 +157,9 @@ std::optional<CellFault> fault_of_cells(const Polyhedra& cells, const std::vecto
     begin = end;
     auto fault = fault_of_surface(faces, cells.points);
     if (!fault) {
-      fault = fault_of_volume(measure(faces, cells.points), stated.empty() ? std::nullopt : std::optional{stated[c]});
+      fault = fault_of_volume(measure_surface(
+                                  faces.size(), [&](std::size_t f) -> const Face& { return faces[f]; }, cells.points),
+                              stated.empty() ? std::nullopt : std::optional{stated[c]});
     }
     if (!fault) continue;
     fault->what = fmt::format("block {} (cell {}) {}", cells.block[c], c, fault->what);
