@@ -249,7 +249,7 @@ def fast_programs():
 
 
 def test_programs():
-    """Of every program of fast tests what of it is not fast, and how long it may take."""
+    """Of every program of fast tests what of it is not to be run."""
     shown = json.loads(run(["ctest", "--test-dir", build, "--show-only=json-v1"]).stdout)
     fast, slow = set(), {}
     for test in shown["tests"]:
