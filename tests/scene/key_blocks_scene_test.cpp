@@ -505,6 +505,52 @@ TEST(KeyBlocksScene, SlightTapersAreCountedInEnsembles) {
   EXPECT_EQ(record.cases[0].tapered->count, 0U);
 }
 
+// Where blocks leave and what they ask for, by part of the opening: a cube of 8 m3 over the roof with plumb sides.
+TEST(KeyBlocksScene, EnsemblesCountByPartOfTheOpening) {
+  const std::string text = roof_cube(90,
+                                     "[[load]]\nname = \"up\"\nseismic = [0, 0, 2]\n[support]\ntarget = { falling = "
+                                     "1.5, sliding = 1.3 }\nmost_pressure = \"70 kPa\"\n[monte_carlo]\nrealizations "
+                                     "= 2\nvolumes = [7, 9]\n");
+  const Scene scene = scene_of(text);
+  const stochastic::Record record = make_record(scene, shared_by_realizations(scene), 1);
+  using stochastic::Part;
+  const auto at = [](const std::vector<stochastic::PartTally>& tallies, Part part) {
+    return tallies.at(std::to_underlying(part));
+  };
+  ASSERT_EQ(record.at_parts.size(), stochastic::part_count);
+  EXPECT_EQ(at(record.at_parts, Part::roof).count, 1U);
+  EXPECT_NEAR(at(record.at_parts, Part::roof).volume.si(), 8, 1e-9);
+  for (const Part part : {Part::walls, Part::floor, Part::faces}) EXPECT_EQ(at(record.at_parts, part).count, 0U);
+  // 1.5 times its weight of 52,974 N/m2; no more than what support gives
+  const RunResult run = run_of(text);
+  ASSERT_EQ(run.figures.support->pressures.size(), 1U);
+  EXPECT_NEAR(run.figures.support->pressures[0].p95.si(), 1.5 * 2700 * 9.80665 * 2, 200);
+  ASSERT_TRUE(record.support.has_value());
+  EXPECT_NEAR(record.support->pressures[std::to_underlying(Part::roof)].si(), 70e3, 1e-6);
+  for (const Part part : {Part::walls, Part::floor, Part::faces}) {
+    EXPECT_EQ(record.support->pressures[std::to_underlying(part)].si(), 0);
+  }
+  // Lifted by twice its weight: the blocks of the floor leave, and no roof.
+  ASSERT_EQ(record.cases.size(), 1U);
+  EXPECT_EQ(at(record.cases[0].at_parts, Part::roof).count, 0U);
+}
+
+// A cut from above has no roof: what overhangs there is one of its faces, and no quantities by part are given.
+TEST(KeyBlocksScene, CutsFromAboveHaveOnePart) {
+  Scene scene = scene_of(roof_cube(90,
+                                   "[support]\ntarget = { falling = 1.5, sliding = 1.3 }\n[monte_carlo]\n"
+                                   "realizations = 2\n"));
+  ASSERT_EQ(scene.excavations.size(), 1U);
+  EXPECT_TRUE(ensemble_options_of(scene).at_parts);
+  scene.excavations[0].wall = "slope";
+  scene.excavations[0].tunnel.reset();
+  const stochastic::Record record = make_record(scene, shared_by_realizations(scene), 1);
+  EXPECT_TRUE(record.at_parts.empty());
+  EXPECT_FALSE(ensemble_options_of(scene).at_parts);
+  EXPECT_GT(record.support->pressures[std::to_underlying(stochastic::Part::faces)].si(), 7e4);
+  EXPECT_EQ(record.support->pressures[std::to_underlying(stochastic::Part::roof)].si(), 0);
+}
+
 // Three vertical sides, each leaning inwards by a hundredth of a degree: no two are about parallel.
 TEST(KeyBlocksScene, AColumnOfThreeSidesThatNarrowsSlightlyIsSaid) {
   const auto column = [](double dip) {

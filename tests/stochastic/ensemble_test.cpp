@@ -484,7 +484,7 @@ TEST(EnsembleTest, NestedDesignsCountGeometries) {
   EXPECT_NEAR(f.exceedances[0].interval.low, clopper_pearson(2, 3, 0.95).low, 1e-9);
   EXPECT_NEAR(f.exceedances[0].interval.high, clopper_pearson(2, 3, 0.95).high, 1e-9);
   // Quantiles are of independent values: the first draw of each geometry.
-  const auto median = std::ranges::find_if(
+  const auto nine_of_ten = std::ranges::find_if(
       f.quantiles, [](const QuantileEstimate& e) { return e.name == "key_block_volume_m3" && e.p == 0.5; });
   EXPECT_DOUBLE_EQ(median->value, 2);
   EXPECT_EQ(f.worst.front().realization, 3U);
@@ -541,7 +541,8 @@ TEST(EnsembleTest, OrdersAreComparedWithinEachRealization) {
 TEST(EnsembleTest, LoadCasesHaveFiguresOfTheirOwn) {
   EnsembleOptions with_cases = options();
   with_cases.cases = {"quake", "blast"};
-  with_cases.support = true;
+  with_cases.support = with_cases.at_parts = true;
+  with_cases.volumes_m3 = {0.5, 1};
   Ensemble ensemble{with_cases};
   for (std::uint64_t k = 0; k < 4; ++k) {
     Record r = record(k, {});
@@ -555,6 +556,7 @@ TEST(EnsembleTest, LoadCasesHaveFiguresOfTheirOwn) {
                     .tapered = Staying{2, cubic_metres(3)}};
     quake.support = Supported{.needing = k, .not_held = k / 3};
     quake.border = Staying{7, cubic_metres(1)};
+    quake.at_parts = {{k, cubic_metres(3)}, {}, {}, {}};
     r.cases = {quake, {}};
     ensemble.add(r, "");
   }
@@ -581,6 +583,17 @@ TEST(EnsembleTest, LoadCasesHaveFiguresOfTheirOwn) {
   EXPECT_DOUBLE_EQ(failing.low, exact.low);
   EXPECT_DOUBLE_EQ(failing.high, exact.high);
   EXPECT_EQ(of(1, "probability_of_failure").mean, 0);
+  EXPECT_DOUBLE_EQ(of(0, "probability_of_failure_roof").mean, 0.75);
+  EXPECT_DOUBLE_EQ(of(0, "probability_of_failure_roof").low, exact.low);
+  EXPECT_DOUBLE_EQ(of(0, "key_block_volume_roof_m3").mean, 3);
+  EXPECT_EQ(of(0, "probability_of_failure_walls").mean, 0);
+  // The largest block has 1 m3 in every realization.
+  ASSERT_EQ(f.cases[0].exceedances.size(), 2U);
+  EXPECT_DOUBLE_EQ(f.cases[0].exceedances[0].volume.si(), 0.5);
+  EXPECT_DOUBLE_EQ(f.cases[0].exceedances[0].probability, 1);
+  EXPECT_DOUBLE_EQ(f.cases[0].exceedances[0].interval.low, clopper_pearson(4, 4, f.confidence).low);
+  EXPECT_EQ(f.cases[0].exceedances[1].probability, 0);
+  EXPECT_EQ(f.cases[1].exceedances[0].probability, 0);
   // What is given of the base case alone.
   EXPECT_EQ(std::ranges::find(f.cases[0].estimates, "first_batch_count", &Estimate::name), f.cases[0].estimates.end());
 }
@@ -604,6 +617,34 @@ TEST(EnsembleTest, SupportFiguresOnlyWhereThereIsASupport) {
   EXPECT_DOUBLE_EQ(find(f, "support_fails").mean, 0.25);
   EXPECT_DOUBLE_EQ(find(f, "support_missing_force_n").mean, 2.5e3);
   EXPECT_TRUE(std::ranges::none_of(plain.estimates, [](const Estimate& e) { return e.name == "support_fails"; }));
+}
+
+// By part of the openings: only where there are openings, pressures only with a support.
+TEST(EnsembleTest, PartsOfOpeningsHaveFigures) {
+  EnsembleOptions asked = options(), cuts = options();
+  asked.support = asked.at_parts = cuts.support = true;
+  Ensemble with{asked}, without{cuts};
+  for (std::uint64_t k = 0; k < 10; ++k) {
+    Record r = record(k, {1});
+    r.support = Supported{.needing = 1, .pressures = {pascals(1e3 * static_cast<double>(k)), {}, {}, pascals(5)}};
+    r.at_parts = {{}, {k / 9, cubic_metres(2)}, {}, {}};
+    for (Ensemble* e : {&with, &without}) e->add(r, "");
+  }
+  const Figures f = with.figures(), plain = without.figures();
+  EXPECT_DOUBLE_EQ(find(f, "required_pressure_roof_pa").mean, 4500);
+  EXPECT_DOUBLE_EQ(find(f, "required_pressure_faces_pa").mean, 5);
+  EXPECT_EQ(find(f, "required_pressure_walls_pa").mean, 0);
+  EXPECT_DOUBLE_EQ(find(f, "probability_of_failure_walls").mean, 0.1);
+  EXPECT_EQ(find(f, "probability_of_failure_roof").mean, 0);
+  EXPECT_DOUBLE_EQ(find(f, "key_block_volume_walls_m3").mean, 2);
+  const auto nine_of_ten = std::ranges::find_if(
+      f.quantiles, [](const QuantileEstimate& q) { return q.name == "required_pressure_roof_pa" && q.p == 0.9; });
+  ASSERT_NE(nine_of_ten, f.quantiles.end());
+  EXPECT_DOUBLE_EQ(nine_of_ten->value, 8000);
+  EXPECT_DOUBLE_EQ(find(plain, "required_pressure_faces_pa").mean, 5);
+  for (const Estimate& e : plain.estimates) {
+    EXPECT_FALSE(e.name.contains("roof") || e.name.contains("walls") || e.name.contains("floor")) << e.name;
+  }
 }
 
 // What could not be decided is a figure: it counts as stable otherwise.

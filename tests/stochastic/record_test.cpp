@@ -63,8 +63,14 @@ Record example(std::uint64_t k) {
     r.sets = {{k, rng.uniform(), rng.uniform(), rng.uniform()}, {0, 0, 0, 0}};
   }
   if (k % 5 == 0) r.groups = Grouped{k, 3, cubic_metres(rng.uniform()), cubic_metres(1e3 * rng.uniform()), k % 2 == 0};
+  if (r.support) {
+    r.support->pressures = {pascals(1e3 * rng.uniform()), {}, pascals(7e-300), pascals(2e6)};
+    r.at_parts = {{k, cubic_metres(rng.uniform())}, {}, {1, cubic_metres(0.5)}, {}};
+  }
   if (k % 7 == 2)
-    r.cases = {{k, cubic_metres(2), cubic_metres(0.1), newtons(3e-300), r.support, r.groups, r.border, r.tapered}, {}};
+    r.cases = {
+        {k, cubic_metres(2), cubic_metres(0.1), newtons(3e-300), r.support, r.groups, r.border, r.tapered, r.at_parts},
+        {}};
   if (k % 7 == 3)
     r.cases = {
         {1, {}, cubic_metres(rng.uniform()), {}, {}, Grouped{k, 3, {}, {}, true}, Staying{k, {}}, Staying{1, {}}}};

@@ -69,7 +69,7 @@ ExitCode replay_realization(const ReplayArguments& arguments) {
   return in_out_folder(out, interrupts, [&](OutFolder& folder) {
     auto run = scene::run(*scene, options, timer, progress);
     if (!run) return report_problems(run.error());
-    const stochastic::Record again = record_of(arguments.realization, *run, shared);
+    const stochastic::Record again = record_of(arguments.realization, *run, *scene, shared);
     const bool same = line_of(again) == line_of(*stored);
     run->notes.push_back(fmt::format("realization {} of a Monte Carlo run; its record {}", arguments.realization,
                                      same ? "is reproduced to the last digit" : "is NOT reproduced"));

@@ -89,9 +89,21 @@ KeyBlockFigures count_key_blocks(const stability::Analysis& analysis, const std:
   return figures;
 }
 
+Stress pressure_of_share(std::vector<PressureAt> blocks, double share) {
+  std::erase_if(blocks, [](const PressureAt& b) { return !(b.area.si() > 0); });
+  if (blocks.empty()) return {};
+  std::ranges::stable_sort(blocks, {}, [](const PressureAt& b) { return b.pressure.si(); });
+  Area whole, area;
+  for (const PressureAt& b : blocks) whole += b.area;
+  for (const PressureAt& b : blocks) {
+    area += b.area;
+    if (area >= share * (1 - 1e-12) * whole) return b.pressure;
+  }
+  return blocks.back().pressure;
+}
+
 std::vector<PressureFigures> pressure_diagram(std::vector<PressureAt> blocks) {
   std::erase_if(blocks, [](const PressureAt& b) { return !(b.area.si() > 0); });
-  std::ranges::stable_sort(blocks, {}, [](const PressureAt& b) { return b.pressure.si(); });
   std::vector<PressureFigures> places;
   for (const std::string_view place : all_locations()) {
     PressureFigures row{.place = std::string{place}, .area = {}, .p50 = {}, .p90 = {}, .p95 = {}, .largest = {}};
@@ -99,18 +111,10 @@ std::vector<PressureFigures> pressure_diagram(std::vector<PressureAt> blocks) {
     std::ranges::copy_if(blocks, std::back_inserter(here), [&](const PressureAt& b) { return b.place == place; });
     for (const PressureAt& b : here) row.area += b.area;
     if (here.empty()) continue;
-    const auto percentile = [&](double share) {
-      Area area;
-      for (const PressureAt& b : here) {
-        area += b.area;
-        if (area >= share * (1 - 1e-12) * row.area) return b.pressure;
-      }
-      return here.back().pressure;
-    };
-    row.p50 = percentile(0.5);
-    row.p90 = percentile(0.9);
-    row.p95 = percentile(0.95);
-    row.largest = here.back().pressure;
+    row.p50 = pressure_of_share(here, 0.5);
+    row.p90 = pressure_of_share(here, 0.9);
+    row.p95 = pressure_of_share(here, 0.95);
+    row.largest = pressure_of_share(here, 1);
     places.push_back(std::move(row));
   }
   return places;
@@ -199,6 +203,10 @@ RunResult empty_result() {
   return {{{.input = {.domain = geometry::make_box({0, 0, 0}, {1, 1, 1}).value()}}}, ResultHead{}};
 }
 
+Stress pressure_asked_at(const stability::SupportedBlock& block) {
+  return pascals(block.passed_on ? block.own_pressure : block.required_pressure);
+}
+
 namespace {
 
 SupportFigures count_support(const RunResult& result, const stability::SupportResult& support) {
@@ -206,7 +214,7 @@ SupportFigures count_support(const RunResult& result, const stability::SupportRe
   std::vector<PressureAt> blocks;
   for (const stability::SupportedBlock& b : support.blocks) {
     const BlockPlace place = place_of(result, result.complex->complex(), b.block, {});
-    blocks.push_back({place.location, place.free_area, pascals(b.passed_on ? b.own_pressure : b.required_pressure)});
+    blocks.push_back({place.location, place.free_area, pressure_asked_at(b)});
   }
   figures.pressures = pressure_diagram(std::move(blocks));
   for (const PressureFigures& row : figures.pressures) {

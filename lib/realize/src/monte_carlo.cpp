@@ -1,6 +1,7 @@
 #include "cleave/realize/monte_carlo.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -10,6 +11,7 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/core/parallel.hpp"
 #include "cleave/core/sha256.hpp"
+#include "cleave/realize/places.hpp"
 #include "cleave/realize/run.hpp"
 #include "cleave/stochastic/ordered.hpp"
 #include "group_notes.hpp"
@@ -60,6 +62,11 @@ std::vector<std::vector<std::uint32_t>> orders_of(const Scene& scene) {
   return orders;
 }
 
+namespace {
+/// One in the rock: all but cuts from above.
+bool has_own_opening(const Scene& scene) { return std::ranges::any_of(scene.excavations, &Excavation::own_shape); }
+}  // namespace
+
 std::optional<Length> tunnel_in_rock(const Scene& scene) {
   const auto tunnel = std::ranges::find_if(scene.excavations, [](const auto& e) { return !e.axis.empty(); });
   if (tunnel == scene.excavations.end()) return std::nullopt;
@@ -82,6 +89,7 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
                                       .support = scene.support.has_value(),
                                       .groups = questions.groups,
                                       .clamped = questions.clamped,
+                                      .at_parts = scene.stability.has_value() && has_own_opening(scene),
                                       .orders = orders_of(scene).size(),
                                       .strengths_per_geometry = strengths_per_geometry(scene)};
   if (!questions.axis.empty()) options.tunnel_length_m = stochastic::length_of(questions.axis);
@@ -105,11 +113,51 @@ stochastic::SupportedTogether supported_together(const std::optional<stability::
   return {.not_held = figures.not_held, .in_doubt = figures.in_doubt, .not_held_volume = figures.not_held_volume};
 }
 
-stochastic::Supported tally_support(const topology::BlockComplex& complex, const stability::SupportResult& support,
+/// With free faces that are roof, walls or floor of an opening, or none of these.
+std::optional<stochastic::Part> part_of(const Scene& scene, const OpenPlace& place) {
+  const std::optional<stochastic::Part> part = scene::part_of(place);
+  return !part || has_own_opening(scene) ? part : stochastic::Part::faces;
+}
+
+/// By Part; empty where there are only cuts from above.
+std::vector<stochastic::PartTally> tally_parts(const Scene& scene, const topology::BlockComplex& complex,
+                                               const stability::Analysis& analysis) {
+  if (!has_own_opening(scene)) return {};
+  std::vector<stochastic::PartTally> tallies(stochastic::part_count);
+  for (const stability::Judgement& judgement : analysis.judgements) {
+    if (!judgement.batch) continue;
+    const auto part = part_of(scene, open_place_of(scene, complex, judgement.block));
+    if (!part) continue;
+    stochastic::PartTally& tally = tallies[std::to_underlying(*part)];
+    ++tally.count;
+    tally.volume += complex.blocks()[judgement.block].volume;
+  }
+  return tallies;
+}
+
+std::array<Stress, stochastic::part_count> pressures_at_parts(const Scene& scene, const topology::BlockComplex& complex,
+                                                              const stability::SupportResult& support) {
+  std::array<std::vector<PressureAt>, stochastic::part_count> blocks;
+  for (const stability::SupportedBlock& block : support.blocks) {
+    const OpenPlace place = open_place_of(scene, complex, block.block);
+    const auto part = part_of(scene, place);
+    if (!part) continue;
+    const Stress most = scene.support ? scene.support->plan.most_pressure : pressure_asked_at(block);
+    blocks.at(std::to_underlying(*part))
+        .push_back({place.location, place.free_area, std::min(most, pressure_asked_at(block))});
+  }
+  std::array<Stress, stochastic::part_count> pressures;
+  std::ranges::transform(blocks, pressures.begin(), [](const auto& here) { return pressure_of_share(here, 0.95); });
+  return pressures;
+}
+
+stochastic::Supported tally_support(const Scene& scene, const topology::BlockComplex& complex,
+                                    const stability::SupportResult& support,
                                     const std::optional<stability::GroupSupport>& together,
                                     const stochastic::Questions& questions) {
   stochastic::Supported sum;
   sum.spot_bolts = support.spot_bolts;
+  sum.pressures = pressures_at_parts(scene, complex, support);
   for (const stability::SupportedBlock& block : support.blocks) {
     ++sum.needing;
     if (block.held != stability::Held::not_held) continue;
@@ -145,7 +193,8 @@ stochastic::Staying tally_tapered(const std::vector<stability::Barred>& tapered,
   return sum;
 }
 
-std::vector<stochastic::CaseTally> tally_cases(const Realization& made, const stochastic::Questions& questions) {
+std::vector<stochastic::CaseTally> tally_cases(const Realization& made, const Scene& scene,
+                                               const stochastic::Questions& questions) {
   const topology::BlockComplex& complex = made.complex->complex();
   std::vector<stochastic::CaseTally> tallies;
   for (std::size_t k = 0; k < made.load_cases.size(); ++k) {
@@ -155,10 +204,11 @@ std::vector<stochastic::CaseTally> tally_cases(const Realization& made, const st
       tally.border = {.count = held->blocks.size(), .volume = held->volume};
     }
     tally.tapered = tally_tapered(load.tapered, load.groups, questions);
+    tally.at_parts = tally_parts(scene, complex, load.analysis);
     if (questions.groups && load.groups) tally.groups = tally_groups(*load.groups);
     if (k >= made.support_cases.size()) continue;
     const CaseSupport& with = made.support_cases[k];
-    tally.support = tally_support(complex, with.support, with.groups, questions);
+    tally.support = tally_support(scene, complex, with.support, with.groups, questions);
   }
   return tallies;
 }
@@ -177,7 +227,7 @@ std::vector<stochastic::SetTally> tally_sets(const SampledScene& made) {
 
 }  // namespace
 
-Record record_of(std::uint64_t k, const Realization& made, const Shared& shared) {
+Record record_of(std::uint64_t k, const Realization& made, const Scene& scene, const Shared& shared) {
   const stochastic::Questions& questions = shared.questions;
   Record record;
   record.realization = k;
@@ -197,10 +247,11 @@ Record record_of(std::uint64_t k, const Realization& made, const Shared& shared)
     const double rqd = found.length.si() > 0 ? survey::rqd_measured(found.pieces, found.length.si()) : 0;
     record.lines.push_back({found.joints, found.length, rqd});
   }
-  if (made.support) record.support = tally_support(complex, *made.support, made.group_support, questions);
+  if (made.support) record.support = tally_support(scene, complex, *made.support, made.group_support, questions);
+  if (made.analysis) record.at_parts = tally_parts(scene, complex, *made.analysis);
   if (questions.groups && made.key_groups) record.groups = tally_groups(*made.key_groups);
   if (made.analysis) record.tapered = tally_tapered(made.tapered, made.key_groups, questions);
-  record.cases = tally_cases(made, questions);
+  record.cases = tally_cases(made, scene, questions);
   if (made.field_stress) {
     record.clamped = {.held = made.field_stress->held,
                       .undecided = made.field_stress->undecided,
@@ -224,7 +275,7 @@ std::vector<Record> make_records(const Scene& scene, const Shared& shared, std::
   std::vector<Record> records;
   realize(scene, shared.fields, first, count, timer, [&](std::uint64_t k, const Realization* made) {
     if (made != nullptr) {
-      records.push_back(record_of(k, *made, shared));
+      records.push_back(record_of(k, *made, scene, shared));
     } else {
       records.emplace_back().realization = k;
       records.back().outcome = Outcome::refused;

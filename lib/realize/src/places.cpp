@@ -188,15 +188,11 @@ std::vector<topology::JointId> joints_of(const topology::BlockComplex& complex, 
   return joints;
 }
 
-BlockPlace place_of(const RunResult& result, const topology::BlockComplex& complex, topology::BlockId block,
-                    const std::vector<topology::JointId>& joints) {
-  BlockPlace place{.centroid = complex.blocks()[block].centroid};
-  for (const topology::JointId joint : joints) {
-    if (joint.index() < result.joints.size()) place.sets.push_back(result.joints[joint].set);
-  }
-  sort_and_drop_repeated(place.sets);
-  measure(complex, block, place);
-
+namespace {
+/// `excavations`: of a scene or of a result, with their tunnel and what their walls are called.
+OpenPlace open_place(const auto& excavations, geometry::North north, const topology::BlockComplex& complex,
+                     topology::BlockId block) {
+  OpenPlace place;
   struct Opening {
     double area = 0;
     Vec3 towards;  ///< sum of outward area vectors
@@ -207,7 +203,7 @@ BlockPlace place_of(const RunResult& result, const topology::BlockComplex& compl
     const topology::Face& face = complex.faces()[id];
     if (face.role != topology::Role::free) continue;
     place.free_area += face.area;
-    const bool cut = face.excavation && *face.excavation < result.excavations.size();
+    const bool cut = face.excavation && *face.excavation < excavations.size();
     ground.add(face, cut);
     if (!cut) continue;
     Opening& opening = openings[*face.excavation];
@@ -219,19 +215,43 @@ BlockPlace place_of(const RunResult& result, const topology::BlockComplex& compl
     place.location = ground.name("face");
     return place;
   }
-  const auto& tunnel = result.excavations[widest->first].tunnel;
-  place.location = result.excavations[widest->first].wall;
+  const auto& tunnel = excavations[widest->first].tunnel;
+  place.location = excavations[widest->first].wall;
   if (!tunnel || tunnel->axis.size() < 2) {
     place.location = ground.name(place.location);
     return place;
   }
-  place.chainage = stochastic::chainage_of(tunnel->axis, place.centroid);
+  place.chainage = stochastic::chainage_of(tunnel->axis, complex.blocks()[block].centroid);
   const geometry::SectionFrame section = frame_at(*tunnel, *place.chainage);
   const Vec3 away = -widest->second.towards;
   const double across = std::hypot(dot(away, section.right), dot(away, section.up));
   if (!(across > std::abs(dot(away, section.along)))) return place;
-  place.location = location_of(section, away, geometry::North::degrees(result.north));
+  place.location = location_of(section, away, north);
   place.clock = clock_of(section, away);
+  return place;
+}
+}  // namespace
+
+OpenPlace open_place_of(const Scene& scene, const topology::BlockComplex& complex, topology::BlockId block) {
+  return open_place(scene.excavations, geometry::North::degrees(scene.north), complex, block);
+}
+
+std::optional<stochastic::Part> part_of(const OpenPlace& place) {
+  if (place.location.empty()) return std::nullopt;
+  if (place.location == "roof") return stochastic::Part::roof;
+  if (place.location == "floor") return stochastic::Part::floor;
+  return place.location.ends_with("wall") ? stochastic::Part::walls : stochastic::Part::faces;
+}
+
+BlockPlace place_of(const RunResult& result, const topology::BlockComplex& complex, topology::BlockId block,
+                    const std::vector<topology::JointId>& joints) {
+  BlockPlace place{open_place(result.excavations, geometry::North::degrees(result.north), complex, block)};
+  place.centroid = complex.blocks()[block].centroid;
+  for (const topology::JointId joint : joints) {
+    if (joint.index() < result.joints.size()) place.sets.push_back(result.joints[joint].set);
+  }
+  sort_and_drop_repeated(place.sets);
+  measure(complex, block, place);
   return place;
 }
 

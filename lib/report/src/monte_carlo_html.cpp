@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -280,6 +282,45 @@ std::string orders_table(const MonteCarloPage& page) {
          "</section>\n";
 }
 
+/// Roof, walls, floor and all other faces, with what leaves there and what it asks for.
+std::string parts_table(const Figures& f) {
+  constexpr std::array<std::string_view, 4> parts{"roof", "walls", "floor", "faces"};
+  const auto row = [&](auto& v, std::string_view part) {
+    const auto of = [&](const std::string& name) {
+      const auto it = std::ranges::find(f.estimates, name, &Estimate::name);
+      return it == f.estimates.end() ? std::nullopt : std::optional{*it};
+    };
+    const auto quantile = [&](double p) {
+      const auto it = std::ranges::find_if(f.quantiles, [&](const stochastic::QuantileEstimate& q) {
+        return q.p == p && q.name == fmt::format("required_pressure_{}_pa", part);
+      });
+      return it == f.quantiles.end() ? std::nullopt : std::optional{it->value / 1e3};
+    };
+    const auto probability = of(fmt::format("probability_of_failure_{}", part));
+    const auto volume = of(fmt::format("key_block_volume_{}_m3", part));
+    v("part", part);
+    v("probability", probability ? std::optional{probability->mean} : std::nullopt);
+    v("range", probability ? std::optional{interval(probability->low, probability->high)} : std::nullopt);
+    v("volume_m3", volume ? std::optional{volume->mean} : std::nullopt);
+    v("p50", quantile(0.5));
+    v("p90", quantile(0.9));
+  };
+  const auto known =
+      std::ranges::any_of(f.estimates, [](const Estimate& e) { return e.name == "probability_of_failure_roof"; });
+  if (!known) return {};
+  return "<section id=\"parts\"><h2>Where blocks leave</h2>\n<p class=\"small\">By the widest free face of a block. "
+         "Required pressure: what 95 % of the free area of the blocks below their target there needs no more than, in "
+         "half of the realizations and in nine of ten.</p>\n" +
+         html_table({{"part", "Part"},
+                     {"probability", "Probability of a key block"},
+                     {"range", percent(f.confidence) + " interval"},
+                     {"volume_m3", "Their mean volume (m³)"},
+                     {.name = "p50", .heading = "Required pressure, median (kPa)", .optional = true},
+                     {.name = "p90", .heading = "90 % (kPa)", .optional = true}},
+                    each(parts, row)) +
+         "</section>\n";
+}
+
 /// The base case and each load case, with what its estimates tell of failure.
 std::string cases_table(const Figures& f) {
   if (f.cases.empty()) return {};
@@ -441,6 +482,7 @@ std::string monte_carlo_html(const MonteCarloPage& page) {
   out += detail::lines_table(f);
   out += probability_table(f);
   out += pressure_table(f);
+  out += parts_table(f);
   out += cases_table(f);
   out += orders_table(page);
   out += estimates_table(f);

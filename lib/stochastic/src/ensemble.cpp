@@ -37,8 +37,8 @@ Ensemble::Ensemble(EnsembleOptions options)
       numbers_above_(options_.volumes_m3.size()),
       chainage_(options_.volumes_m3.size(), std::vector<Moments>(options_.chainage_parts)),
       orders_(options_.orders),
-      cases_(options_.cases.size(),
-             {std::vector<Moments>(quantities().size()), std::vector<Tail>(quantities().size())}),
+      cases_(options_.cases.size(), {std::vector<Moments>(quantities().size()), std::vector<Tail>(quantities().size()),
+                                     std::vector<Moments>(options_.volumes_m3.size())}),
       block_sizes_{options_.sets.size(), options_.lines.size()},
       within_(quantities().size()),
       within_squares_(quantities().size()),
@@ -69,6 +69,7 @@ Record under_case(const Record& of, std::size_t number) {
   record.groups = c.groups;
   record.border = c.border;
   record.tapered = c.tapered;
+  record.at_parts = c.at_parts;
   return record;
 }
 
@@ -124,6 +125,7 @@ std::vector<double> Ensemble::numbers_of(const Record& record) const {
     for (const Quantity& q : quantities()) {
       if (of_case(q)) numbers.push_back(q.of(under));
     }
+    for (const double volume : options_.volumes_m3) numbers.push_back(under.all.largest_m3 > volume ? 1 : 0);
   }
   return numbers;
 }
@@ -230,6 +232,7 @@ void Ensemble::add_unit(const std::vector<double>& sums) {
       under.moments[i].add(mean);
       under.tails[i].add(mean);
     }
+    for (Moments& exceeding : under.exceeding) exceeding.add(take() / m);
   }
   CLEAVE_ASSERT(next == sums.size());
 }

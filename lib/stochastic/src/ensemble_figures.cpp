@@ -167,6 +167,11 @@ void Ensemble::add_cases(Figures& figures) const {
       if (!of_case(quantities()[i])) continue;
       under.estimates.push_back(estimate(quantities()[i], cases_[k].moments[i], cases_[k].tails[i]));
     }
+    for (std::size_t i = 0; i < options_.volumes_m3.size() && units_ > 0; ++i) {
+      const Moments& hits = cases_[k].exceeding[i];
+      under.exceedances.push_back(
+          {cubic_metres(options_.volumes_m3[i]), probability_of(hits), probability_interval(hits)});
+    }
   }
 }
 

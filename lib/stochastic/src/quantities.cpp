@@ -21,6 +21,26 @@ Quantity by_case(Quantity quantity) {
   quantity.by_case = true;
   return quantity;
 }
+Quantity at_part(Quantity quantity) {
+  quantity.at_parts = true;
+  return by_case(quantity);
+}
+PartTally tally_at(const Record& r, Part part) {
+  const auto at = static_cast<std::size_t>(std::to_underlying(part));
+  return at < r.at_parts.size() ? r.at_parts[at] : PartTally{};
+}
+template <Part part>
+double fails_at(const Record& r) {
+  return tally_at(r, part).count > 0 ? 1 : 0;
+}
+template <Part part>
+double volume_at(const Record& r) {
+  return tally_at(r, part).volume.si();
+}
+template <Part part>
+double pressure_at(const Record& r) {
+  return r.support ? r.support->pressures[std::to_underlying(part)].si() : 0;
+}
 double clamped_volume(const Record& r) { return r.clamped ? r.all.volume_m3 - r.clamped->held_volume.si() : 0; }
 
 }  // namespace
@@ -28,6 +48,7 @@ double clamped_volume(const Record& r) { return r.clamped ? r.all.volume_m3 - r.
 bool Quantity::asked_in(const Record& record) const noexcept {
   if (whole_system && !record.whole) return false;
   if (clamped && !record.clamped) return false;
+  if (at_parts && record.at_parts.empty()) return false;
   if (support) return record.support && (!groups || record.support->groups);
   return !groups || record.groups.has_value();
 }
@@ -48,6 +69,14 @@ const std::vector<Quantity>& quantities() {
       {"batches", [](const Record& r) { return static_cast<double>(r.batches); }, true, false, false},
       by_case({"probability_of_failure", [](const Record& r) { return r.all.count > 0 ? 1.0 : 0.0; }, true, false,
                false, false, true}),
+      at_part({"probability_of_failure_roof", fails_at<Part::roof>, true, false, false, false, true}),
+      at_part({"key_block_volume_roof_m3", volume_at<Part::roof>, true, false, true}),
+      at_part({"probability_of_failure_walls", fails_at<Part::walls>, true, false, false, false, true}),
+      at_part({"key_block_volume_walls_m3", volume_at<Part::walls>, true, false, true}),
+      at_part({"probability_of_failure_floor", fails_at<Part::floor>, true, false, false, false, true}),
+      at_part({"key_block_volume_floor_m3", volume_at<Part::floor>, true, false, true}),
+      at_part({"probability_of_failure_faces", fails_at<Part::faces>, true, false, false, false, true}),
+      at_part({"key_block_volume_faces_m3", volume_at<Part::faces>, true, false, true}),
       {"support_pressure_pa", pressure_over_area, true, false, true},
       {"largest_support_pressure_pa", [](const Record& r) { return r.largest_pressure_pa; }, true, false, true, false,
        false, false, false, true},
@@ -74,6 +103,10 @@ const std::vector<Quantity>& quantities() {
                false, true, true}),
       by_case({"support_missing_force_n", [](const Record& r) { return r.support ? r.support->missing_n : 0; }, true,
                false, true, true}),
+      at_part({"required_pressure_roof_pa", pressure_at<Part::roof>, true, false, true, true}),
+      at_part({"required_pressure_walls_pa", pressure_at<Part::walls>, true, false, true, true}),
+      at_part({"required_pressure_floor_pa", pressure_at<Part::floor>, true, false, true, true}),
+      by_case({"required_pressure_faces_pa", pressure_at<Part::faces>, true, false, true, true}),
       by_case({"support_fails",
                [](const Record& r) {
                  if (!r.support) return 0.0;

@@ -155,10 +155,19 @@ std::vector<double> numbers_of(const std::optional<Supported>& s) {
   const auto number = [](std::uint64_t n) { return static_cast<double>(n); };
   std::vector<double> numbers{number(s->needing), number(s->not_held),   s->not_held_m3,
                               s->missing_n,       number(s->spot_bolts), number(s->failing_bodies)};
+  for (const Stress pressure : s->pressures) numbers.push_back(pressure.si());
   if (s->groups) {
     const SupportedTogether& g = *s->groups;
     for (const double x : {number(g.not_held), number(g.in_doubt), g.not_held_volume.si(), g.too_many ? 1.0 : 0.0})
       numbers.push_back(x);
+  }
+  return numbers;
+}
+std::vector<double> numbers_of(const std::vector<PartTally>& at_parts) {
+  std::vector<double> numbers;
+  for (const PartTally& part : at_parts) {
+    numbers.push_back(static_cast<double>(part.count));
+    numbers.push_back(part.volume.si());
   }
   return numbers;
 }
@@ -190,8 +199,8 @@ std::vector<double> numbers_of(const std::vector<CaseTally>& cases) {
   for (const CaseTally& c : cases) {
     for (const double x : {static_cast<double>(c.count), c.volume.si(), c.largest.si(), c.net.si()})
       numbers.push_back(x);
-    for (const auto& part :
-         {numbers_of(c.support), numbers_of(c.groups), numbers_of(c.border), numbers_of(c.tapered)}) {
+    for (const auto& part : {numbers_of(c.support), numbers_of(c.groups), numbers_of(c.border), numbers_of(c.tapered),
+                             numbers_of(c.at_parts)}) {
       numbers.push_back(static_cast<double>(part.size()));
       numbers.insert(numbers.end(), part.begin(), part.end());
     }
@@ -232,13 +241,25 @@ bool is_count(double x) { return x >= 0 && x < 0x1p53 && x == std::floor(x); }
 
 bool take(const std::vector<double>& n, std::optional<Supported>& support) {
   if (n.empty()) return true;
-  if (n.size() != 6 && n.size() != 10) return false;
+  constexpr std::size_t own = 6 + part_count;
+  if (n.size() != own && n.size() != own + 4) return false;
   if (!is_count(n[0]) || !is_count(n[1]) || !is_count(n[4]) || !is_count(n[5])) return false;
   const auto count = [](double x) { return static_cast<std::uint64_t>(x); };
   support = Supported{count(n[0]), count(n[1]), n[2], n[3], count(n[4]), count(n[5])};
-  if (n.size() == 6) return true;
-  if (!is_count(n[6]) || !is_count(n[7]) || (n[9] != 0 && n[9] != 1)) return false;
-  support->groups = SupportedTogether{count(n[6]), count(n[7]), cubic_metres(n[8]), n[9] == 1};
+  for (std::size_t part = 0; part < part_count; ++part) support->pressures.at(part) = pascals(n[6 + part]);
+  if (n.size() == own) return true;
+  const std::span<const double> g = std::span{n}.subspan(own);
+  if (!is_count(g[0]) || !is_count(g[1]) || (g[3] != 0 && g[3] != 1)) return false;
+  support->groups = SupportedTogether{count(g[0]), count(g[1]), cubic_metres(g[2]), g[3] == 1};
+  return true;
+}
+bool take(const std::vector<double>& n, std::vector<PartTally>& at_parts) {
+  if (n.empty()) return true;
+  if (n.size() != 2 * part_count) return false;
+  for (std::size_t i = 0; i < n.size(); i += 2) {
+    if (!is_count(n[i])) return false;
+    at_parts.push_back({static_cast<std::uint64_t>(n[i]), cubic_metres(n[i + 1])});
+  }
   return true;
 }
 bool take(const std::vector<double>& n, std::optional<Grouped>& groups) {
@@ -286,7 +307,7 @@ bool take(const std::vector<double>& n, std::vector<CaseTally>& cases) {
     c.largest = cubic_metres(rest[2]);
     c.net = newtons(rest[3]);
     rest = rest.subspan(4);
-    if (!part(c.support) || !part(c.groups) || !part(c.border) || !part(c.tapered)) return false;
+    if (!part(c.support) || !part(c.groups) || !part(c.border) || !part(c.tapered) || !part(c.at_parts)) return false;
   }
   return true;
 }
@@ -344,7 +365,7 @@ std::string_view record_columns() noexcept {
          "first_count,first_volume_m3,first_largest_m3,first_support_n,first_support_transferred_n,first_falling,"
          "first_lifting,first_sliding,first_wedge,first_tetrahedral,first_pentahedral,first_hexahedral,first_higher,"
          "first_other,first_concave,first_sphericity_sum,first_sizes,above,chainage_m3,support,orders,groups,clamped,"
-         "border,whole,whole_bins,sets,lines,cases,tapered,crc32";
+         "border,whole,whole_bins,sets,lines,cases,tapered,at_parts,crc32";
 }
 
 std::string line_of(const Record& r) {
@@ -372,7 +393,8 @@ std::string line_of(const Record& r) {
     w.list(std::span{numbers});
   }
   const std::vector<double> whole = numbers_of(r.whole), sets = numbers_of(r.sets), lines = numbers_of(r.lines),
-                            cases = numbers_of(r.cases), tapered = numbers_of(r.tapered);
+                            cases = numbers_of(r.cases), tapered = numbers_of(r.tapered),
+                            at_parts = numbers_of(r.at_parts);
   const std::vector<float> bins = bins_of(r.whole);
   w.list(std::span{whole});
   w.list(std::span{bins});
@@ -380,6 +402,7 @@ std::string line_of(const Record& r) {
   w.list(std::span{lines});
   w.list(std::span{cases});
   w.list(std::span{tapered});
+  w.list(std::span{at_parts});
   return std::move(w).finish();
 }
 
@@ -413,7 +436,7 @@ std::optional<Record> record_of(std::string_view line) {
   r.tally(record.first);
   r.list(record.above);
   r.list(record.chainage_m3);
-  std::vector<double> support, orders, groups, clamped, border, whole, sets, lines, cases, tapered;
+  std::vector<double> support, orders, groups, clamped, border, whole, sets, lines, cases, tapered, at_parts;
   std::vector<float> bins;
   r.list(support);
   r.list(orders);
@@ -426,10 +449,11 @@ std::optional<Record> record_of(std::string_view line) {
   r.list(lines);
   r.list(cases);
   r.list(tapered);
+  r.list(at_parts);
   if (!take(support, record.support) || !take(orders, record.orders) || !take(groups, record.groups) ||
       !take(clamped, record.clamped) || !take(border, record.border) || !take(whole, bins, record.whole) ||
       !take(sets, record.sets) || !take(lines, record.lines) || !take(cases, record.cases) ||
-      !take(tapered, record.tapered)) {
+      !take(tapered, record.tapered) || !take(at_parts, record.at_parts)) {
     return std::nullopt;
   }
   if (!record.factors.empty() && record.factors.size() != factor_bins) return std::nullopt;

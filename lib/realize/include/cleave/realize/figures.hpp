@@ -575,7 +575,11 @@ struct PressureAt {
   Area area;
   Stress pressure;
 };
+/// What a block asks for; of one that others press on beyond what its faces can take, what it asks for by itself.
+[[nodiscard]] Stress pressure_asked_at(const stability::SupportedBlock& block);
 [[nodiscard]] std::vector<PressureFigures> pressure_diagram(std::vector<PressureAt> blocks);
+/// Pressure that this share of the blocks' area needs no more than; zero without area.
+[[nodiscard]] Stress pressure_of_share(std::vector<PressureAt> blocks, double share);
 /// Without the pressures, for which `count` needs the whole result.
 [[nodiscard]] SupportFigures count_support(const stability::SupportResult& support);
 

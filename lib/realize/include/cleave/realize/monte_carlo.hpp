@@ -40,8 +40,9 @@ struct Shared {
   std::shared_ptr<const TunnelFields> fields = nullptr;
   std::vector<LineInRock> lines = {};
 };
-/// What is kept of realization `k`.
-[[nodiscard]] stochastic::Record record_of(std::uint64_t k, const Realization& made, const Shared& shared);
+/// What is kept of realization `k` of the scene.
+[[nodiscard]] stochastic::Record record_of(std::uint64_t k, const Realization& made, const Scene& scene,
+                                           const Shared& shared);
 [[nodiscard]] Shared shared_by_realizations(const Scene& scene, unsigned threads = 1);
 
 /// Realizations `first` .. `first + count - 1`, all of one geometry, which is cut once.

@@ -8,12 +8,12 @@
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/geometry/tunnel.hpp"
 #include "cleave/realize/run_result.hpp"
+#include "cleave/stochastic/record.hpp"
 
 namespace cleave::scene {
 
-/// Where a block is.
-struct BlockPlace {
-  geometry::Vec3 centroid = {};  ///< m
+/// Where a block's free faces are.
+struct OpenPlace {
   /// `location_of` at a tunnel or a shaft; elsewhere "slope" or "bench" of a cut, "crest" with level ground above such
   /// a face, "floor" or "ground" (of the domain) where it is level, "roof" where it overhangs; "face": any other free
   /// face; empty: there is none.
@@ -22,6 +22,15 @@ struct BlockPlace {
   /// Hours on the face of a clock, looking along the axis: 12 at the crown, 3 on the right; in (0, 12].
   std::optional<double> clock = {};
   Area free_area = {};
+};
+[[nodiscard]] OpenPlace open_place_of(const Scene& scene, const topology::BlockComplex& complex,
+                                      topology::BlockId block);
+/// Roof, walls and floor of tunnels and shafts; all other faces are one part. Empty where no face is free.
+[[nodiscard]] std::optional<stochastic::Part> part_of(const OpenPlace& place);
+
+/// Where a block is.
+struct BlockPlace : OpenPlace {
+  geometry::Vec3 centroid = {};      ///< m
   std::optional<Length> depth = {};  ///< of its corners the one farthest from its free faces; empty without one
   Length extent = {};                ///< between the two corners farthest apart
   std::vector<SetId> sets = {};      ///< of its joints, ascending

@@ -140,6 +140,12 @@ void fields(V& v, const QuantileEstimate& x) {
   v("reason", when(!x.interval, "not available: too few realizations"));
 }
 template <class V>
+void fields(V& v, const CaseExceedance& x) {
+  v("volume_m3", x.volume.si());
+  v("probability", x.probability, "that a realization has a key block above this volume");
+  fields(v, x.interval);
+}
+template <class V>
 void fields(V& v, const Exceedance& x) {
   v("volume_m3", x.volume_m3);
   v("realizations", x.realizations, "with a key block above this volume");
@@ -236,6 +242,7 @@ void fields(V& v, const MonteCarloPage& x) {
                           by_name(under.estimates, &stochastic::Estimate::name,
                                   [&](auto& q, const stochastic::Estimate& e) { quantity_fields(q, e, f.confidence); }),
                           "by name, as of the base case");
+                        c("exceedance", when_any(under.exceedances));
                       })),
         "the same realizations under each [[load]]");
       w("nested", when(f.strengths_per_geometry != 1, group([&](auto& n) {

@@ -28,6 +28,7 @@ struct Quantity {
   bool clamped = false;      ///< needs the stress across joints
   bool by_slivers = false;   ///< hangs on the thinnest block met: means do not settle
   bool by_case = false;      ///< given for each load case as well
+  bool at_parts = false;     ///< needs an opening that is no cut from above
   /// Whether the scene of this record asks for it.
   [[nodiscard]] bool asked_in(const Record& record) const noexcept;
 };
@@ -89,10 +90,17 @@ struct OrderFigures {
   double share_best = 0;  ///< of the realizations in which no order before it has as little volume, and none after less
 };
 
+/// P(largest key block of a realization > volume) under a load case.
+struct CaseExceedance {
+  Volume volume = {};
+  double probability = 0;
+  Interval interval = {};  ///< Clopper-Pearson
+};
 /// What moves under a load case: its name and the quantities given for each.
 struct CaseEstimates {
   std::string name;
-  std::vector<Estimate> estimates;
+  std::vector<Estimate> estimates = {};
+  std::vector<CaseExceedance> exceedances = {};  ///< at the volumes of the base case
 };
 
 /// One point of a size distribution: share of the key blocks, by number and by volume, below a volume; from all blocks
@@ -215,6 +223,7 @@ struct EnsembleOptions {
   bool support = false;                  ///< a support design was checked
   bool groups = false;                   ///< blocks were judged together
   bool clamped = false;                  ///< stress across joints was looked at
+  bool at_parts = false;                 ///< an opening is no cut from above: key blocks are counted by where they are
   std::size_t orders = 0;                ///< of excavation stages
   std::vector<std::string> cases = {};   ///< names of the load cases, in the order of the records
   std::vector<std::string> sets = {};    ///< names of the joint sets, in the order of the records
@@ -287,7 +296,7 @@ class Ensemble final {
   [[nodiscard]] bool of_case(const Quantity& q) const { return q.by_case && has(q); }
   [[nodiscard]] bool has(const Quantity& q) const {
     return has(q.stability, q.whole_system) && (options_.support || !q.support) && (options_.groups || !q.groups) &&
-           (options_.clamped || !q.clamped);
+           (options_.clamped || !q.clamped) && (options_.at_parts || !q.at_parts);
   }
   static const std::vector<Ratio>& ratios();
   [[nodiscard]] static std::size_t index_of(std::string_view quantity);
@@ -343,6 +352,7 @@ class Ensemble final {
   struct CaseMoments {
     std::vector<Moments> moments;  // of quantities()
     std::vector<Tail> tails;
+    std::vector<Moments> exceeding;  // as `exceeding_`
   };
   std::vector<CaseMoments> cases_;
   BlockSizeSums block_sizes_;

@@ -80,6 +80,18 @@ struct SupportedTogether {
   friend bool operator==(const SupportedTogether&, const SupportedTogether&) = default;
 };
 
+/// Where a block is, by its widest free faces: at tunnels and shafts, or at all other faces (slopes, benches, the ends
+/// of openings, the ground).
+enum class Part : std::uint8_t { roof, walls, floor, faces };
+inline constexpr std::size_t part_count = 4;
+
+/// Key blocks at one part.
+struct PartTally {
+  std::uint64_t count = 0;
+  Volume volume = {};
+  friend bool operator==(const PartTally&, const PartTally&) = default;
+};
+
 /// What the scene's support design comes to, where it has one.
 struct Supported {
   std::uint64_t needing = 0;   ///< blocks below their required factor without support
@@ -89,6 +101,9 @@ struct Supported {
   std::uint64_t spot_bolts = 0;
   std::uint64_t failing_bodies = 0;              ///< bodies stitched together by bolts that do not pass
   std::optional<SupportedTogether> groups = {};  ///< of a scene with groups = "decide"
+  /// By Part: what 95 % of the free area of the blocks needing support there needs no more than, at most the plan's
+  /// limit; 0 where there are none.
+  std::array<Stress, part_count> pressures = {};
   friend bool operator==(const Supported&, const Supported&) = default;
 };
 
@@ -125,6 +140,7 @@ struct CaseTally {
   std::optional<Grouped> groups;     ///< of a scene with groups = "decide"
   std::optional<Staying> border;     ///< held only by sides of the domain that are not free, where it was asked
   std::optional<Staying> tapered;    ///< held only because joints close on them by next to nothing, where it was asked
+  std::vector<PartTally> at_parts = {};  ///< by Part; empty where there are only cuts from above
   friend bool operator==(const CaseTally&, const CaseTally&) = default;
 };
 
@@ -202,6 +218,7 @@ struct Record {
   std::vector<LineTally> lines;      ///< in the order of the scene's lines
   std::vector<OrderTally> orders;    ///< of a scene with [sequence]: its own order first, then those to compare
   std::vector<CaseTally> cases;      ///< in the order of the scene's load cases
+  std::vector<PartTally> at_parts;   ///< by Part, key blocks with a free face; empty with cuts from above alone
   friend bool operator==(const Record&, const Record&) = default;
 };
 
