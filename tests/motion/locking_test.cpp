@@ -113,6 +113,27 @@ TEST(Locking, LargeGroupsBetweenWallsAreNotHeld) {
   for (std::size_t b = 2; b < w.size(); ++b) EXPECT_NEAR(w.velocity(b).z, -9.81 * 0.01, 1e-7) << b;
 }
 
+TEST(Locking, OneOfManyThatMoveIsNotHeld) {
+  // A wedge in a roof, and cubes that slide over it: it alone may be locked, and is looked at with its neighbours.
+  const double w = 2 * tan_of(20);
+  const auto upright = [](std::vector<std::pair<double, double>> xz) {
+    return moved(prism(xz, -1, 1), {}, turn_by({90 * degree, 0, 0}));
+  };
+  for (const double friction : {25.0, 30.0, 45.0, 60.0}) {
+    std::vector<BodySpec> bodies{{.shape = upright({{0.5 + w, -2}, {9, -2}, {9, 0}, {0.5, 0}}), .fixed = true},
+                                 {.shape = upright({{-9, -2}, {-0.5 - w, -2}, {-0.5, 0}, {-9, 0}}), .fixed = true},
+                                 body(upright({{-0.5 - w, -2}, {0.5 + w, -2}, {0.5, 0}, {-0.5, 0}}))};
+    for (int k = 0; k < 16; ++k) {
+      const double x = -6.3 + 0.4 * k;
+      bodies.push_back(body(box({x, -0.2, 0}, {x + 0.4, 0.2, 0.4}), {1, 0, 0}));
+    }
+    World made = world(std::move(bodies), tan_of(friction), {.step = 0.01});
+    while (made.time() < 0.1 - 1e-12) ASSERT_TRUE(made.step(0.1 - made.time()).has_value()) << friction;
+    // What lies on it weighs down on it while they slide on the rest of the roof.
+    EXPECT_LE(made.displacement(2).z, -0.5 * 9.81 * 0.01 + 1e-6) << friction;
+  }
+}
+
 TEST(Locking, LookingAtALargeGroupAgainIsNotDear) {
   // Cubes held by friction on a slope, all faces closed: the search from motion takes tens of factors a programme.
   std::vector<BodySpec> bodies{floor()};

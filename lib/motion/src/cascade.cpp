@@ -130,6 +130,7 @@ class Cascade {
   struct Progress {
     double least = std::numeric_limits<double>::infinity();
     int idle = 0;
+    [[nodiscard]] bool stalls() const { return idle >= 3; }
     bool goes_on(double residual) {
       idle = residual < 0.7 * least ? 0 : idle + 1;
       least = std::min(least, residual);
@@ -149,7 +150,7 @@ class Cascade {
   [[nodiscard]] bool by_points() const { return is_large() && !exact_ && !yields_; }
 
   /// Whether Newton's iteration may go on from an answer with this residual: in large groups it gets lost from far.
-  [[nodiscard]] bool is_near(double residual) const { return !by_points() || residual < 0.5; }
+  [[nodiscard]] bool is_near(double residual) const { return !by_points() || residual < 5e-3; }
 
   /// The slip given, the rest is one convex programme. Interior points solve it in some 25 factors however many points
   /// there are; where they do not, and in small groups, proximal points from `x`. Returns what velocities may be off.
@@ -199,10 +200,11 @@ class Cascade {
       programme.given = slips(smooth(1e-5));
     }
     Progress progress;
-    for (int round = 0; round < 60 && !done() && !spent() && progress.goes_on(best_.report.residual); ++round) {
+    double off = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < 60 && !done() && !spent() && progress.goes_on(off); ++round) {
       const double hidden =
           cone(programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = last, .finest = finest}, 1e-8);
-      const double off = look_at(x, Method::convex);
+      off = look_at(x, Method::convex);
       if (done()) return;
       const std::vector<double> slip = slips(x);
       for (std::size_t k = 0; k < x.size(); ++k) {
@@ -210,6 +212,11 @@ class Cascade {
         programme.given[k] = slip[k] > 30 * hidden ? renewed : 0;
       }
       if (is_near(off)) nearby(x, Method::convex);
+      // Interior points are right in the speeds of heavy bodies only: what is left of the rest may be theirs.
+      if (by_points() && progress.stalls()) {
+        exact_ = true;
+        progress = {};
+      }
     }
   }
 
@@ -255,7 +262,7 @@ class Cascade {
     const bool first = options_.locking && is_large();
     if (!done() && first) by_interior();
     if (!done()) by_slip(From::frictionless, 1e-5, 4);
-    if (by_points()) {
+    if (is_large() && !yields_) {
       exact_ = true;
       if (!done()) {
         budget_ = factors() + options_.patience;
@@ -297,24 +304,71 @@ class Cascade {
     return respond(group_, impulse).velocity;
   }
 
-  /// Whether a body stands that would move without contacts, and friction may be why.
-  [[nodiscard]] bool somebody_stands() const {
+  /// 1: a body that stands and would move without contacts, and friction may be why.
+  [[nodiscard]] std::vector<std::uint8_t> standing() const {
     double fastest = 0;
     for (const Vector6& v : group_.free) fastest = std::max(fastest, v.norm());
+    std::vector<std::uint8_t> out(group_.mass.size(), 0);
     for (const Point& p : group_.points) {
       if (!(p.mu > 0)) continue;
       for (const std::optional<std::uint32_t> b : {std::optional{p.body}, p.other}) {
         if (!b || group_.free[*b].norm() <= 1e-6 * fastest) continue;
-        if (best_.velocity[*b].norm() <= 1e-6 * fastest) return true;
+        if (best_.velocity[*b].norm() <= 1e-6 * fastest) out[*b] = 1;
       }
     }
-    return false;
+    return out;
+  }
+
+  /// Whether those that stand do so for sure as long as all farther than their neighbours press as they do: then they
+  /// are looked at alone, by the same search. No: not known.
+  [[nodiscard]] bool stand_among_neighbours(std::vector<std::uint8_t> in) const {
+    const std::vector<std::uint8_t> stands = in;
+    for (const Point& p : group_.points) {
+      if (p.other && (stands[p.body] != 0 || stands[*p.other] != 0)) in[p.body] = in[*p.other] = 1;
+    }
+    Group own;
+    std::vector<std::uint32_t> number(in.size(), 0);
+    for (std::size_t b = 0; b < in.size(); ++b) {
+      if (in[b] == 0) continue;
+      number[b] = static_cast<std::uint32_t>(own.mass.size());
+      own.mass.push_back(group_.mass[b]);
+      own.free.push_back(group_.free[b]);
+    }
+    if (2 * own.mass.size() > in.size()) return false;  // no less than all of it
+    for (std::size_t k = 0; k < group_.points.size(); ++k) {
+      Point p = group_.points[k];
+      const bool first = in[p.body] != 0, second = p.other && in[*p.other] != 0;
+      const bool within = first && (second || !p.other);
+      if (within) {
+        p.body = number[p.body];
+        if (p.other) p.other = number[*p.other];
+        p.start = best_.impulse[k];
+        own.points.push_back(p);
+        continue;
+      }
+      const auto press = [&](std::uint32_t body, const auto& rows) {
+        own.free[number[body]] += group_.mass[body].ldlt().solve(rows * best_.impulse[k]);
+      };
+      if (first) press(p.body, p.on_body);
+      if (second) press(*p.other, p.on_other);
+    }
+    SolverOptions how = options_;
+    how.locking = true;
+    const Solution found = best_answer(own, how);
+    if (found.report.residual > options_.accept || found.report.may_be_locked) return false;
+    double fastest = 0, off = 0;
+    for (const Vector6& v : group_.free) fastest = std::max(fastest, v.norm());
+    for (std::size_t b = 0; b < in.size(); ++b) {
+      if (stands[b] != 0) off = std::max(off, found.velocity[number[b]].norm());
+    }
+    return off <= 1e-5 * fastest;
   }
 
   /// Coulomb's problem may have several answers. One in which bodies stand counts only where the search from motion,
   /// friction followed up from none, ends in no other one that keeps more of the motion.
   void prefer_motion() {
-    if (!somebody_stands()) return;
+    std::vector<std::uint8_t> stands = standing();
+    if (std::ranges::count(stands, 1) == 0 || stand_among_neighbours(std::move(stands))) return;
     exact_ = false;
     Unknowns free = smooth(1e-8);
     // Interior points leave some rounding of their own: what is near is looked at with the last digits.

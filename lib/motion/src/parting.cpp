@@ -6,8 +6,41 @@
 
 namespace cleave::motion {
 
+/// One rotation of all about their common centroid, added to their motion, that has this angular momentum. Returns the
+/// kinetic energy that it brings in.
+double World::Impl::turn_all(const Island& island, Vec3 angular, std::vector<State>& s) const {
+  double mass = 0;
+  Vec3 middle;
+  for (const std::uint32_t b : island.bodies) {
+    mass += shapes[b].mass;
+    middle += shapes[b].mass * centroid(s[b], b);
+  }
+  middle = (1 / mass) * middle;
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  for (const std::uint32_t b : island.bodies) {
+    const Vec3 away = centroid(s[b], b) - middle;
+    const Eigen::Vector3d r{away.x, away.y, away.z};
+    inertia += mass_matrix(shapes[b], s[b].turn).bottomRightCorner<3, 3>() +
+               shapes[b].mass * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
+  }
+  const Eigen::Vector3d rate = inertia.ldlt().solve(Eigen::Vector3d{angular.x, angular.y, angular.z});
+  const Vec3 turning{rate[0], rate[1], rate[2]};
+  double gained = 0;
+  for (const std::uint32_t b : island.bodies) {
+    const Vec3 more = cross(turning, centroid(s[b], b) - middle);
+    const Vec3 spun = s[b].momentum + shapes[b].inertia * s[b].turn.back(turning);
+    gained += shapes[b].mass * (dot(s[b].v, more) + 0.5 * dot(more, more)) -
+              0.5 * dot(s[b].momentum, solve(shapes[b].inertia, s[b].momentum)) +
+              0.5 * dot(spun, solve(shapes[b].inertia, spun));
+    s[b].v += more;
+    s[b].momentum = spun;
+  }
+  return gained;
+}
+
 double World::Impl::move_apart(const Island& island, const Solution& moved, std::vector<State>& s) const {
   double lift = 0;
+  Vec3 gained;  // angular momentum
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     const std::uint32_t b = island.bodies[k];
     const Vector6& d = moved.velocity[k];
@@ -16,11 +49,13 @@ double World::Impl::move_apart(const Island& island, const Solution& moved, std:
     const Vec3 momentum = s[b].turn * s[b].momentum;
     lift -= shapes[b].mass * dot(pull, by) + 0.5 * dot(momentum, spin(s[b], b));
     s[b].shift += by;
+    gained += shapes[b].mass * cross(by, s[b].v);
     s[b].turn = normalized(cayley({d[3], d[4], d[5]}) * s[b].turn);
     s[b].momentum = s[b].turn.back(momentum);
     lift += 0.5 * dot(momentum, spin(s[b], b));
   }
-  return lift;
+  // Bodies that lean on no wall keep their angular momentum.
+  return island.leans ? lift : lift + turn_all(island, -gained, s);
 }
 
 double World::Impl::part(std::vector<State>& s, const std::vector<TieRecord>& tied, double& deepest) {

@@ -91,7 +91,9 @@ std::vector<Island> World::Impl::islands_of(const std::vector<Touch>& list) cons
   }
   const auto island = [&](std::uint32_t a, std::uint32_t b) -> Island* {
     if (!moves(a) && !moves(b)) return nullptr;
-    return &out[*place[sets.find(moves(a) ? a : b)]];
+    Island& own = out[*place[sets.find(moves(a) ? a : b)]];
+    own.leans = own.leans || !moves(a) || !moves(b);
+    return &own;
   };
   for (std::uint32_t k = 0; k < list.size(); ++k) {
     if (Island* own = island(list[k].body, list[k].other)) own->touches.push_back(k);

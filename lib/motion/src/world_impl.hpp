@@ -67,6 +67,7 @@ struct Island {
   std::vector<std::uint32_t> touches;                          ///< into the list of touches
   std::vector<std::pair<std::uint32_t, std::uint32_t>> bonds;  ///< bond and share
   std::vector<std::uint32_t> ties = {};
+  bool leans = false;  ///< on something fixed
 };
 
 /// Which bodies touch.
@@ -218,6 +219,7 @@ struct World::Impl {
   // parting.cpp
   /// Moves the bodies of a group; what that brings in of energy.
   [[nodiscard]] double move_apart(const Island& island, const Solution& moved, std::vector<State>& s) const;
+  [[nodiscard]] double turn_all(const Island& island, Vec3 angular, std::vector<State>& s) const;
   /// Moves bodies apart that overlap, and together what hangs on ties that are too long, as far as there is room; what
   /// that brings in of energy.
   [[nodiscard]] double part(std::vector<State>& s, const std::vector<TieRecord>& tied, double& deepest);
