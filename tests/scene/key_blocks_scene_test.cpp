@@ -507,10 +507,10 @@ TEST(KeyBlocksScene, SlightTapersAreCountedInEnsembles) {
 
 // Where blocks leave and what they ask for, by part of the opening: a cube of 8 m3 over the roof with plumb sides.
 TEST(KeyBlocksScene, EnsemblesCountByPartOfTheOpening) {
-  const std::string text = roof_cube(90,
-                                     "[[load]]\nname = \"up\"\nseismic = [0, 0, 2]\n[support]\ntarget = { falling = "
-                                     "1.5, sliding = 1.3 }\nmost_pressure = \"70 kPa\"\n[monte_carlo]\nrealizations "
-                                     "= 2\nvolumes = [7, 9]\n");
+  const std::string text =
+      roof_cube(90,
+                "[[load]]\nname = \"up\"\nseismic = [0, 0, 2]\n[stability]\ntarget = { falling = 1.5, sliding = 1.3 }\n"
+                "[support]\nmost_pressure = \"70 kPa\"\n[monte_carlo]\nrealizations = 2\nvolumes = [7, 9]\n");
   const Scene scene = scene_of(text);
   const stochastic::Record record = make_record(scene, shared_by_realizations(scene), 1);
   using stochastic::Part;
@@ -538,7 +538,7 @@ TEST(KeyBlocksScene, EnsemblesCountByPartOfTheOpening) {
 // A cut from above has no roof: what overhangs there is one of its faces, and no quantities by part are given.
 TEST(KeyBlocksScene, CutsFromAboveHaveOnePart) {
   Scene scene = scene_of(roof_cube(90,
-                                   "[support]\ntarget = { falling = 1.5, sliding = 1.3 }\n[monte_carlo]\n"
+                                   "[stability]\ntarget = { falling = 1.5, sliding = 1.3 }\n[support]\n[monte_carlo]\n"
                                    "realizations = 2\n"));
   ASSERT_EQ(scene.excavations.size(), 1U);
   EXPECT_TRUE(ensemble_options_of(scene).at_parts);

@@ -484,7 +484,7 @@ TEST(EnsembleTest, NestedDesignsCountGeometries) {
   EXPECT_NEAR(f.exceedances[0].interval.low, clopper_pearson(2, 3, 0.95).low, 1e-9);
   EXPECT_NEAR(f.exceedances[0].interval.high, clopper_pearson(2, 3, 0.95).high, 1e-9);
   // Quantiles are of independent values: the first draw of each geometry.
-  const auto nine_of_ten = std::ranges::find_if(
+  const auto median = std::ranges::find_if(
       f.quantiles, [](const QuantileEstimate& e) { return e.name == "key_block_volume_m3" && e.p == 0.5; });
   EXPECT_DOUBLE_EQ(median->value, 2);
   EXPECT_EQ(f.worst.front().realization, 3U);
