@@ -144,7 +144,9 @@ StaticFactor static_factor(const Assembly& assembly, Accuracy accuracy) {
 
 Start start_from_rest(const Assembly& assembly, double factor) {
   Ended ended;
-  return start_from_rest(assembly, factor, ended);
+  Start out = start_from_rest(assembly, factor, ended);
+  out.forces = std::move(ended.forces);
+  return out;
 }
 
 namespace {

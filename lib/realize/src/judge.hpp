@@ -39,6 +39,8 @@ enum class Detail : std::uint8_t {
 /// m of rock that all tunnels go through; empty without a tunnel.
 [[nodiscard]] std::optional<Length> tunnel_length(const std::vector<ExcavationInfo>& excavations);
 
+/// The rock after each stage under each [[load]].
+void judge_cases_in_stages(const Scene& scene, Realization& made);
 /// [support] in the rock after each stage of the sequence: without and with the bolts of the stage.
 void judge_support_in_stages(const Scene& scene, Realization& made, unsigned threads);
 

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
@@ -85,6 +87,20 @@ stability::SupportPlan with_targets(stability::SupportPlan plan, const Targets& 
   return plan;
 }
 
+/// Spot bolts where one load after the other asks for them beside what stands by then: under every load all of them
+/// stand. `checks`: of a plan under each load.
+void place_spot_bolts(stability::SupportPlan& plan, auto& checks) {
+  const bool factors = std::exchange(plan.factors, false);
+  for (auto& check : checks) std::ranges::copy(newly_placed(check(plan), plan), std::back_inserter(plan.placed));
+  plan.factors = factors;
+  plan.spot.reset();
+}
+/// One load alone places them as it is checked.
+stability::SupportPlan with_spot_bolts(stability::SupportPlan plan, auto& checks) {
+  if (plan.spot && checks.size() > 1) place_spot_bolts(plan, checks);
+  return plan;
+}
+
 /// What a search asks of a plan under one load case.
 class PlanCheck {
  public:
@@ -155,7 +171,8 @@ class DesignSearch {
       row.bolts = plan_.bolts.size();
       row.cost = static_cast<double>(row.bolts) * (design.cost_per_bolt + design.cost_per_metre * length_);
       if (plan_.spot) {
-        for (PlanCheck& check : checks_) row.spot_bolts = std::max(row.spot_bolts, check(plan_).spot_bolts);
+        const stability::SupportPlan whole = with_spot_bolts(plan_, checks_);
+        for (PlanCheck& check : checks_) row.spot_bolts = std::max(row.spot_bolts, check(whole).spot_bolts);
         row.cost += static_cast<double>(row.spot_bolts) *
                     (design.cost_per_bolt + design.cost_per_metre * plan_.spot->length.si());
       }
@@ -173,10 +190,11 @@ class DesignSearch {
   bool passes(double scale) {
     for (std::uint32_t k = 0; k < support_->design->phases; ++k) {
       place(scale, k);
+      const stability::SupportPlan whole = with_spot_bolts(plan_, checks_);
       for (PlanCheck& check : checks_) {
-        const stability::SupportResult result = check(plan_);
+        const stability::SupportResult result = check(whole);
         if (!result.passes()) return false;
-        if (asks_groups(check) && !holds(check.groups(plan_, result), asked_)) return false;
+        if (asks_groups(check) && !holds(check.groups(whole, result), asked_)) return false;
       }
     }
     return true;
@@ -219,9 +237,10 @@ class DesignSearch {
     const auto lacks = [](const SupportedGroupFigures& f) { return std::pair{f.not_held, f.in_doubt}; };
     for (std::uint32_t k = 0; k < support_->design->phases; ++k) {
       place(scale, k);
+      const stability::SupportPlan whole = with_spot_bolts(plan_, checks_);
       for (PlanCheck& check : checks_) {
         if (!check.has_groups()) continue;
-        const SupportedGroupFigures now = count_supported_groups(check.groups(plan_, check(plan_)));
+        const SupportedGroupFigures now = count_supported_groups(check.groups(whole, check(whole)));
         if (!worst || lacks(now) > lacks(*worst)) worst = now;
       }
     }
@@ -243,11 +262,11 @@ class DesignSearch {
   using Missing = std::map<topology::BlockId, std::uint64_t>;
 
   /// Whether the plan as it lies holds everything under one load case.
-  bool held_under(PlanCheck& check, Missing& missing) {
-    const stability::SupportResult result = check(plan_);
+  bool held_under(PlanCheck& check, const stability::SupportPlan& plan, Missing& missing) {
+    const stability::SupportResult result = check(plan);
     bool held = result.passes();
     if (held && asks_groups(check)) {
-      const stability::GroupSupport groups = check.groups(plan_, result);
+      const stability::GroupSupport groups = check.groups(plan, result);
       held = holds(groups, asked_);
       if (!held && !groups.left.groups.empty()) ++missing[groups.left.groups.front().blocks.front()];
     }
@@ -269,7 +288,8 @@ class DesignSearch {
       const double along = rng.uniform(), around = rng.uniform();
       plan_.bolts = bolts_with(*support_, scale, length_, {along, around});
       bool held = true;
-      for (PlanCheck& check : checks_) held = held_under(check, missing) && held;
+      const stability::SupportPlan whole = with_spot_bolts(plan_, checks_);
+      for (PlanCheck& check : checks_) held = held_under(check, whole, missing) && held;
       row.failing += held ? 0U : 1U;
     }
     const stochastic::Interval share = stochastic::clopper_pearson(row.failing, row.offsets, 0.95);
@@ -291,8 +311,9 @@ class DesignSearch {
       least = *factor / target;
       row.governing = block.value();
     };
+    const stability::SupportPlan whole = with_spot_bolts(plan_, checks_);
     for (PlanCheck& check : checks_) {
-      const stability::SupportResult result = check(plan_);
+      const stability::SupportResult result = check(whole);
       for (const stability::SupportedBlock& b : result.blocks) ask(b.block, b.factor_with_support, b.target);
       for (const stability::CombinedBlock& b : result.combined) ask(b.members.front(), b.factor_with_support, b.target);
     }
@@ -351,6 +372,7 @@ void forget_cases_and_support(Realization& made) {
   made.support.reset();
   made.support_cases.clear();
   made.designs.clear();
+  made.spot_bolts_of_stages.clear();
   made.undecided.clear();
 }
 
@@ -361,6 +383,48 @@ void judge_cases(const Scene& scene, const topology::AuditedComplex& complex, Re
     note(made.load_cases.back().analysis.undecided, made);
   }
 }
+
+void judge_cases_in_stages(const Scene& scene, Realization& made) {
+  for (StageResult& row : made.sequence->stages) {
+    row.cases.clear();
+    if (!row.complex || !*row.complex || !row.analysis) continue;
+    for (const LoadCase& load : scene.stability->cases) {
+      const topology::AuditedComplex& complex = **row.complex;
+      StageCase& under = row.cases.emplace_back(
+          StageCase{load.name, stability::analyse(complex, settings_on(complex.complex(), scene, made, load.loads))});
+      under.key_blocks = count_key_blocks(under.analysis);
+    }
+  }
+}
+
+namespace {
+
+using Check = std::function<stability::SupportResult(const stability::SupportPlan&)>;
+
+/// Checks of a plan in the base case and under each load; `cases`: what moves under each.
+std::vector<Check> checks_of(const Scene& scene, const Realization& made, const topology::AuditedComplex& complex,
+                             const stability::Analysis& base, std::span<const stability::Analysis* const> cases) {
+  std::vector<Check> checks{[&](const stability::SupportPlan& plan) {
+    return check_support(complex, settings_on(complex.complex(), scene, made, scene.stability->loads), base, plan);
+  }};
+  for (std::size_t k = 0; k < cases.size(); ++k) {
+    checks.emplace_back([&, k, analysis = cases[k]](const stability::SupportPlan& plan) {
+      const LoadCase& load = scene.stability->cases[k];
+      return check_support(complex, settings_on(complex.complex(), scene, made, load.loads), *analysis,
+                           plan_under(load, plan));
+    });
+  }
+  return checks;
+}
+
+template <class Case>
+std::vector<const stability::Analysis*> analyses_of(const std::vector<Case>& cases) {
+  std::vector<const stability::Analysis*> out;
+  for (const Case& under : cases) out.push_back(&under.analysis);
+  return out;
+}
+
+}  // namespace
 
 void judge_support_in_stages(const Scene& scene, Realization& made, unsigned threads) {
   for (StageResult& row : made.sequence->stages) {
@@ -373,7 +437,21 @@ void judge_support_in_stages(const Scene& scene, Realization& made, unsigned thr
       return [first](const Bolt& bolt) { return bolt.after_stage >= first; };
     };
     std::erase_if(plan.bolts, later(row.stage + 1));
-    const stability::SupportResult installed = check_support(complex, settings, *row.analysis, plan);
+    plan.placed = made.spot_bolts_of_stages;
+    const std::vector<const stability::Analysis*> under = analyses_of(row.cases);
+    std::vector<Check> checks = checks_of(scene, made, complex, *row.analysis, under);
+    const std::size_t earlier = plan.placed.size();
+    if (plan.spot) place_spot_bolts(plan, checks);
+    for (std::size_t k = earlier; k < plan.placed.size(); ++k) plan.placed[k].after_stage = row.stage;
+    made.spot_bolts_of_stages = plan.placed;
+    const stability::SupportResult installed = checks.front()(plan);
+    bool fails_under_load = false;
+    for (std::size_t k = 0; k < row.cases.size(); ++k) {
+      const SupportFigures found = count_support(checks[k + 1](plan));
+      row.cases[k].not_held = found.not_held;
+      row.cases[k].combined_failing = found.combined_failing;
+      fails_under_load = fails_under_load || found.not_held > 0 || found.combined_failing > 0;
+    }
     const SupportFigures with = count_support(installed);
     std::optional<stability::GroupSupport> groups;
     if (scene.stability->groups != stability::GroupsCheck::off) {
@@ -381,17 +459,19 @@ void judge_support_in_stages(const Scene& scene, Realization& made, unsigned thr
     }
     const bool too_many = groups && groups->too_many();
     std::erase_if(plan.bolts, later(row.stage));
-    plan.spot.reset();
+    std::erase_if(plan.placed, later(row.stage));
     plan.shotcrete.reset();
     const SupportFigures before = count_support(check_support(complex, settings, *row.analysis, plan));
     row.support = StageSupport{.blocks = with.blocks,
                                .bolts_before = before.bolts,
                                .not_held_before = before.not_held,
                                .bolts = with.bolts,
+                               .spot_bolts = made.spot_bolts_of_stages.size() - earlier,
                                .not_held = with.not_held,
                                .combined_failing = with.combined_failing,
                                .too_many = too_many};
     if (groups && !too_many) row.support->groups = count_supported_groups(*groups);
+    row.support->fails_under_load = fails_under_load;
   }
 }
 
@@ -401,13 +481,14 @@ void judge_support(const Scene& scene, const topology::AuditedComplex& complex, 
   const SupportSettings& support = *scene.support;
   stability::SupportPlan plan = support.plan;
   plan.factors = plan.factors && detail == Detail::shown;
-  made.support = check_support(complex, settings, analysis, plan);
+  plan.placed = made.spot_bolts_of_stages;
+  const std::vector<const stability::Analysis*> under = analyses_of(made.load_cases);
+  std::vector<Check> by_load = checks_of(scene, made, complex, analysis, under);
+  plan = with_spot_bolts(std::move(plan), by_load);
+  made.support = by_load.front()(plan);
   note(made.support->undecided, made);
   for (std::size_t k = 0; k < made.load_cases.size(); ++k) {
-    const LoadCase& load = scene.stability->cases[k];
-    made.support_cases.push_back(
-        {load.name, check_support(complex, settings_on(complex.complex(), scene, made, load.loads),
-                                  made.load_cases[k].analysis, plan_under(load, plan))});
+    made.support_cases.push_back({scene.stability->cases[k].name, by_load[k + 1](plan)});
     note(made.support_cases.back().support.undecided, made);
   }
   if (!support.design || detail == Detail::counted || !made.undecided.empty()) return;

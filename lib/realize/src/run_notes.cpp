@@ -76,11 +76,45 @@ void add_stage_support_notes(const SequenceResult& sequence, std::vector<std::st
                       where, groups.not_held, groups.count, groups.count == 1 ? "group" : "groups",
                       groups.not_held_volume.si(), groups.in_doubt));
     }
+    for (const StageCase& under : row.cases) {
+      if (under.not_held.value_or(0) == 0 && under.combined_failing.value_or(0) == 0) continue;
+      notes.push_back(
+          fmt::format("after stage {}, load case {}: the support installed by then leaves {} {} and {} stitched bodies "
+                      "below the required factors of safety",
+                      row.stage, under.name, *under.not_held, *under.not_held == 1 ? "block" : "blocks",
+                      under.combined_failing.value_or(0)));
+    }
+    if (row.support->spot_bolts > 0 && &row != &sequence.stages.back()) {
+      notes.push_back(
+          fmt::format("after stage {} {} spot bolts are put in for what stands then: see after_stage in "
+                      "bolts.csv",
+                      row.stage, row.support->spot_bolts));
+    }
     if (row.support->not_held == 0 && row.support->combined_failing == 0) continue;
     notes.push_back(
         fmt::format("after stage {} the support installed by then leaves {} of {} blocks and {} stitched bodies below "
                     "the required factors of safety: see sequence in summary.json",
                     row.stage, row.support->not_held, row.support->blocks, row.support->combined_failing));
+  }
+}
+
+/// What moves under a load in a stage before the last, beside what moves there without it.
+void add_stage_case_notes(const Scene& scene, const SequenceResult& sequence, std::vector<std::string>& notes) {
+  for (const StageResult& row : sequence.stages) {
+    if (&row == &sequence.stages.back()) break;
+    for (const StageCase& under : row.cases) {
+      if (under.key_blocks.count <= row.key_blocks.count) continue;
+      notes.push_back(fmt::format("after stage {}, load case {}: {} {} ({:.4g} m3), without the load {}", row.stage,
+                                  under.name, under.key_blocks.count,
+                                  under.key_blocks.count == 1 ? "block moves" : "blocks move",
+                                  under.key_blocks.volume_m3, row.key_blocks.count));
+    }
+  }
+  const bool cases = std::ranges::any_of(sequence.stages, [](const StageResult& row) { return !row.cases.empty(); });
+  if (cases && sequence.stages.size() > 1 && scene.stability->groups != stability::GroupsCheck::off) {
+    notes.emplace_back(
+        "groups of blocks were not looked for under each [[load]] after stages before the last: put the load into "
+        "[stability] for those");
   }
 }
 
@@ -317,6 +351,7 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
         "the support does not reach the required factors of safety: see bolts.csv and the columns of key_blocks.csv");
   }
   if (made.sequence) add_stage_support_notes(*made.sequence, notes);
+  if (made.sequence) add_stage_case_notes(scene, *made.sequence, notes);
   for (const CaseSupport& load : made.support_cases) {
     if (!load.support.passes()) {
       notes.push_back(

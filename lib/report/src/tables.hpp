@@ -233,6 +233,7 @@ template <class V>
 void fields(V& v, const BoltRow& x) {
   v("bolt", x.number, "from 0");
   v("pattern", x.pattern, "name of its pattern, or `spot`");
+  v("after_stage", when(x.b.bolt.after_stage > 0, x.b.bolt.after_stage), "put in then; empty: from the start");
   v("x", x.b.bolt.collar.x, "of its collar, m");
   v("y", x.b.bolt.collar.y);
   v("z", x.b.bolt.collar.z);

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <tuple>
 #include <utility>
 
+#include "cleave/assembly/groups.hpp"
 #include "cleave/core/assert.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "flat.hpp"
@@ -106,8 +109,9 @@ std::vector<Shared> shares_of(const Model& model, const Face& face, std::uint32_
     it->centroid += area * patch.centroid;
     it->tan_sum += strength.tan_friction() * area;
     it->tan_least = std::min(it->tan_least, strength.tan_friction());
-    it->cohesion += strength.cohesion().si() * area / settings.partial.cohesion();
-    it->tension += strength.tension().si() * area / settings.partial.cohesion();
+    const double counts = model.bond_share(face.block, *patch.neighbour, face.plane) / settings.partial.cohesion();
+    it->cohesion += strength.cohesion().si() * area * counts;
+    it->tension += strength.tension().si() * area * counts;
   }
   return out;
 }
@@ -157,9 +161,11 @@ assembly::Contact smooth_side(Model& model, const Face& face) {
   return contact;
 }
 
-}  // namespace
+/// Two blocks and their plane, of each contact; none of a side of the domain.
+using ContactKeys = std::vector<std::optional<BondShares::key_type>>;
 
-assembly::Assembly assembly_of(Model& model, std::span<const BlockId> blocks, std::uint32_t batch) {
+assembly::Assembly assembly_with_keys(Model& model, std::span<const BlockId> blocks, std::uint32_t batch,
+                                      ContactKeys& keys) {
   const BlockComplex& complex = model.complex();
   assembly::AssemblySpec spec{.freedom = assembly::Freedom::rigid};
   const double density = model.settings().rock.density().si();
@@ -185,6 +191,7 @@ assembly::Assembly assembly_of(Model& model, std::span<const BlockId> blocks, st
         assembly::Contact contact = smooth_side(model, face);
         contact.body = b;
         spec.contacts.push_back(std::move(contact));
+        keys.emplace_back();
       }
       if (face.role != topology::Role::joint) continue;
       for (const Shared& with : shares_of(model, face, batch)) {
@@ -194,12 +201,43 @@ assembly::Assembly assembly_of(Model& model, std::span<const BlockId> blocks, st
         contact.body = b;
         contact.other = other;
         spec.contacts.push_back(std::move(contact));
+        keys.emplace_back(
+            std::tuple{std::min(blocks[b], with.neighbour), std::max(blocks[b], with.neighbour), face.plane});
       }
     }
   }
   auto made = assembly::Assembly::make(std::move(spec));
   CLEAVE_ASSERT(made.has_value());
   return *std::move(made);
+}
+
+}  // namespace
+
+assembly::Assembly assembly_of(Model& model, std::span<const BlockId> blocks, std::uint32_t batch) {
+  ContactKeys keys;
+  return assembly_with_keys(model, blocks, batch, keys);
+}
+
+BondShares bonds_that_count(Model& model, std::span<const BlockId> blocks, std::uint32_t batch) {
+  constexpr double full = 0.01745240643728351;  // sin 1 degree
+  ContactKeys keys;
+  const assembly::Assembly group = assembly_with_keys(model, blocks, batch, keys);
+  BondShares out;
+  if (std::ranges::all_of(group.contacts(), [](const assembly::Contact& c) { return c.bonds.empty(); })) return out;
+  const assembly::Start start = start_from_rest(group, 1);
+  if (start.found != assembly::FromRest::moves) return out;
+  for (std::size_t c = 0; c < keys.size(); ++c) {
+    const assembly::Contact& contact = group.contacts()[c];
+    if (!keys[c] || contact.bonds.empty()) continue;
+    double pressed = 0, load = norm(group.bodies()[contact.body].force);
+    for (const Vec3 force : start.forces.at_points[c]) pressed += std::max(0.0, dot(force, contact.normal));
+    if (contact.other) load = std::min(load, norm(group.bodies()[*contact.other].force));
+    const double counts = load > 0 ? std::min(1.0, pressed / (full * load)) : 1;
+    // Faces of two blocks on one plane are one joint.
+    const auto [at, fresh] = out.try_emplace(*keys[c], counts);
+    if (!fresh) at->second = std::max(at->second, counts);
+  }
+  return out;
 }
 
 }  // namespace cleave::stability

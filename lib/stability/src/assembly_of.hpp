@@ -18,4 +18,9 @@ inline constexpr double most_pressure = 5e8;
 [[nodiscard]] assembly::Assembly assembly_of(Model& model, std::span<const topology::BlockId> blocks,
                                              std::uint32_t batch);
 
+/// Of the joints of blocks that move together (ascending, the rest taken to be fixed) the share of cohesion and tension
+/// that counts as they start: all where at least sin(1 degree) of the load of the lighter block presses, less in
+/// proportion, as for single blocks. Joints that have none are left out; nothing where no motion is found.
+[[nodiscard]] BondShares bonds_that_count(Model& model, std::span<const topology::BlockId> blocks, std::uint32_t batch);
+
 }  // namespace cleave::stability

@@ -1,9 +1,12 @@
 #include "bolt_paths.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
+#include <utility>
 
 #include "flat.hpp"
 
@@ -59,12 +62,70 @@ std::optional<BlockId> BoltPaths::behind(const Face& face, Vec3 x) const {
   return any;  // on an edge, to rounding
 }
 
+namespace {
+
+/// From a point of its plane to the edges of a face.
+double off_edges(const topology::BlockComplex& complex, const Face& face, Vec3 x) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& loop : complex.loops(face)) {
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const Vec3 a = complex.position(loop[i]), along = complex.position(loop[(i + 1) % loop.size()]) - a;
+      const double square = dot(along, along);
+      const double share = square > 0 ? std::clamp(dot(x - a, along) / square, 0.0, 1.0) : 0.0;
+      least = std::min(least, norm(x - a - share * along));
+    }
+  }
+  return least;
+}
+
+/// Two directions at right angles to a bolt, of no plane that a scene would have.
+std::array<Vec3, 2> across(Vec3 direction) {
+  const Vec3 some{0.3817, -0.7451, 0.5467};
+  const Vec3 u = geometry::normalized(cross(direction, some));
+  return {u, cross(direction, u)};
+}
+
+/// Without blocks that only the way beside the edge clips.
+BoltPath without_clipped(BoltPath path, double shortest) {
+  std::vector<Pierced> whole;
+  double from = 0;
+  for (Pierced& p : path.pierced) {
+    if (p.to - from < shortest) continue;
+    p.from = std::exchange(from, p.to);
+    whole.push_back(p);
+  }
+  path.pierced = std::move(whole);
+  return path;
+}
+
+}  // namespace
+
+/// Along a line that goes exactly through an edge of a block it is rounding that says which face is met, or that none
+/// is: then beside it, as bolts are drilled.
 BoltPath BoltPaths::path(const Bolt& bolt) const {
+  const auto start = collar_face(bolt);
+  if (!start) return {};
+  constexpr double beside = 1e-6;  // m
+  bool clear = true;
+  BoltPath path = along(bolt, *start, clear);
+  const auto [u, v] = across(bolt.direction);
+  for (int k = 0; k < 8 && !clear; ++k) {
+    Bolt moved = bolt;
+    const double angle = 0.4 + k * std::numbers::pi / 4;
+    moved.collar += beside * (std::cos(angle) * u + std::sin(angle) * v);
+    clear = true;
+    BoltPath other = along(moved, *start, clear);
+    if (clear) path = without_clipped(std::move(other), 8 * beside);
+  }
+  return path;
+}
+
+/// `clear`: false where it comes next to an edge.
+BoltPath BoltPaths::along(const Bolt& bolt, FaceId start, bool& clear) const {
+  constexpr double next_to = 1e-8;  // m
   BoltPath path;
   std::vector<Pierced>& pierced = path.pierced;
-  const auto start = collar_face(bolt);
-  if (!start) return path;
-  BlockId block = complex_->faces()[*start].block;
+  BlockId block = complex_->faces()[start].block;
   double t = 0;
   constexpr std::size_t most = 100'000;
   while (pierced.size() < most) {
@@ -76,7 +137,9 @@ BoltPath BoltPaths::path(const Bolt& bolt) const {
       if (!(rate > 1e-12)) continue;
       const double at = dot(face.centroid - bolt.collar, face.outward) / rate;
       if (at < t - 1e-9 || at >= exit) continue;
-      if (!contains(*complex_, face, bolt.collar + at * bolt.direction)) continue;
+      const Vec3 there = bolt.collar + at * bolt.direction;
+      if (at > reach && at < bolt.length.si() && off_edges(*complex_, face, there) < next_to) clear = false;
+      if (!contains(*complex_, face, there)) continue;
       exit = at;
       through = face;
     }

@@ -28,6 +28,7 @@ class BoltPaths final {
     geometry::Box box;  ///< grown by `reach`
   };
   [[nodiscard]] std::optional<topology::FaceId> collar_face(const Bolt& bolt) const;
+  [[nodiscard]] BoltPath along(const Bolt& bolt, topology::FaceId start, bool& clear) const;
   [[nodiscard]] std::optional<topology::BlockId> behind(const topology::Face& face, geometry::Vec3 x) const;
 
   const topology::BlockComplex* complex_;

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -45,6 +48,10 @@ struct Contacts {
 };
 
 /// Which blocks are there in which state, and the exact directions of the planes met so far.
+/// Of the cohesion and tension that two blocks share on a plane (the lesser block first) the part that counts; all
+/// where nothing is said.
+using BondShares = std::map<std::tuple<topology::BlockId, topology::BlockId, topology::PlaneId>, double>;
+
 class Model final {
  public:
   /// Both outlive the model.
@@ -58,6 +65,14 @@ class Model final {
   [[nodiscard]] std::uint32_t removed_in(topology::BlockId block) const { return removed_in_[block]; }
   /// Whether the block is there while batch `batch` is judged (state batch - 1).
   [[nodiscard]] bool present(topology::BlockId block, std::uint32_t batch) const { return removed_in_[block] >= batch; }
+
+  /// For `assembly_of` alone.
+  void keep_bonds(const BondShares& shares) { bonds_ = shares; }
+  [[nodiscard]] double bond_share(topology::BlockId a, topology::BlockId b, topology::PlaneId plane) const {
+    if (bonds_.empty()) return 1;
+    const auto it = bonds_.find({std::min(a, b), std::max(a, b), plane});
+    return it == bonds_.end() ? 1 : it->second;
+  }
 
   /// Inward normal of a face.
   [[nodiscard]] Direction inward(const topology::Face& face);
@@ -97,6 +112,7 @@ class Model final {
   IdVector<topology::BlockId, ForceSum> on_surfaces_;  ///< empty when there are none
   std::vector<Direction> rows_;                        ///< of the last `held`
   std::vector<topology::BlockId> by_;                  ///< of the last `held`
+  BondShares bonds_;
 };
 
 }  // namespace cleave::stability

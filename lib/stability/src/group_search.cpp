@@ -78,8 +78,9 @@ class Search final {
   /// With ties between blocks. `begin`: the first state is looked at around these alone; what moves without ties is
   /// among them.
   Search(const topology::BlockComplex& complex, const Settings& settings, const Together& most, const Ties& ties,
-         std::vector<BlockId> begin, assembly::UntiedSets& untied)
+         std::vector<BlockId> begin, assembly::UntiedSets& untied, const BondShares& bonds)
       : Search{complex, settings, most} {
+    model_.keep_bonds(bonds);
     ties_ = &ties;
     untied_ = &untied;
     begin_ = std::move(begin);
@@ -486,8 +487,9 @@ KeyGroups first_groups(const topology::BlockComplex& complex, const Settings& se
 }
 
 KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& settings, const Together& most,
-                        const Ties& ties, std::vector<BlockId> begin, assembly::UntiedSets& untied) {
-  return Search{complex, settings, most, ties, std::move(begin), untied}.run();
+                        const Ties& ties, std::vector<BlockId> begin, assembly::UntiedSets& untied,
+                        const BondShares& bonds) {
+  return Search{complex, settings, most, ties, std::move(begin), untied, bonds}.run();
 }
 
 std::vector<BlockId> groups_at_border(const topology::BlockComplex& complex, const Settings& settings,

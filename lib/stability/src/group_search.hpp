@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "cleave/stability/key_groups.hpp"
+#include "contacts.hpp"
 #include "ties.hpp"
 
 /// The search for groups of blocks that move together, batch by batch (theory: assembly.md).
@@ -23,10 +24,11 @@ namespace cleave::stability {
                                      const Together& most);
 
 /// With ties between blocks. `begin`: the first state is looked at around these alone; what moves without ties is among
-/// them. `untied`: what is known of these blocks without ties.
+/// them. `untied`: what is known of these blocks without ties. `bonds`: what counts of joints without ties, and so with
+/// them.
 [[nodiscard]] KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& settings,
                                       const Together& most, const Ties& ties, std::vector<topology::BlockId> begin,
-                                      assembly::UntiedSets& untied);
+                                      assembly::UntiedSets& untied, const BondShares& bonds);
 
 /// Of what moves when the blocks of the border may, their sides smooth, and `gone` has left: groups with one of them.
 /// Ascending.

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "assembly_of.hpp"
 #include "contacts.hpp"
 #include "domain_held.hpp"
 #include "group_search.hpp"
@@ -82,6 +83,27 @@ class FactorSearch final {
   std::vector<BlockId> blocks_;
 };
 
+/// What counts of the joints of groups that move: under support no more of it does.
+BondShares bonds_without_support(const topology::BlockComplex& complex, const Settings& settings,
+                                 const KeyGroups& below) {
+  Model model{complex, settings};
+  BondShares out;
+  for (std::size_t first = 0; first < below.groups.size();) {
+    const std::uint32_t batch = below.groups[first].batch;
+    std::size_t end = first;
+    for (; end < below.groups.size() && below.groups[end].batch == batch; ++end) {
+      const KeyGroup& group = below.groups[end];
+      if (group.verdict == assembly::Verdict::in_doubt) continue;
+      out.merge(bonds_that_count(model, group.blocks, batch));
+    }
+    for (; first < end; ++first) {
+      if (below.groups[first].verdict == assembly::Verdict::in_doubt) continue;
+      for (const BlockId id : below.groups[first].blocks) model.remove(id, batch);
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings, const Together& most) {
@@ -115,7 +137,8 @@ GroupSupport check_groups(const topology::AuditedComplex& complex, const Setting
   const Ties ties{complex.complex(), reduced, plan, support.bolts, out.below};
   std::vector<BlockId> moving;
   for (const KeyGroup& group : out.below.groups) moving.insert(moving.end(), group.blocks.begin(), group.blocks.end());
-  out.left = search_groups(complex.complex(), reduced, most, ties, ties.with_tied(std::move(moving)), untied);
+  const BondShares bonds = bonds_without_support(complex.complex(), reduced, out.below);
+  out.left = search_groups(complex.complex(), reduced, most, ties, ties.with_tied(std::move(moving)), untied, bonds);
   // What only the search with support could not decide.
   for (const KeyGroup& group : out.left.groups) {
     const auto shares = [&](const KeyGroup& other) {

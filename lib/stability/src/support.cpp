@@ -63,6 +63,8 @@ class Check final {
     }
     find_needy();
     for (const Bolt& bolt : plan_->bolts) add_bolt(bolt, false);
+    for (const Bolt& bolt : plan_->placed) add_bolt(bolt, true);
+    result_.spot_bolts = plan_->placed.size();
     if (!result_.undecided.empty()) return std::move(result_);
     for (std::size_t i = 0; i < bodies_.size(); ++i) check_block(i);
     judge_bolts();
@@ -117,10 +119,19 @@ class Check final {
 
   /// Pa, of which 1 on its free faces gives `push`, that brings the body to its target; infinite where none does.
   [[nodiscard]] double pressure_needed(const Body& body, Vec3 push) const {
-    const double against = -dot(push, body.bare.direction);
-    if (!(against > 1e-9 * norm(push))) return infinite;
-    const double limit = 4 * body.target * body.bare.driving / against;
-    return least_multiple(body, limit * push, limit);
+    const double against = -dot(push, body.bare.direction), whole = norm(push);
+    if (against > 1e-9 * whole) {
+      const double limit = 4 * body.target * body.bare.driving / against;
+      const double found = least_multiple(body, limit * push, limit);
+      if (std::isfinite(found)) return found;
+    }
+    // What presses across the motion holds by friction alone, more of it where the faces are smooth.
+    for (double times = 1; whole > 0 && times <= 1024; times *= 4) {
+      const double limit = times * body.target * body.bare.driving / whole;
+      const double found = least_multiple(body, limit * push, limit);
+      if (std::isfinite(found)) return found;
+    }
+    return infinite;
   }
 
   void find_needy() {
@@ -481,6 +492,14 @@ class Check final {
 bool SupportResult::passes() const noexcept {
   return std::ranges::all_of(blocks, [](const SupportedBlock& b) { return b.held != Held::not_held; }) &&
          std::ranges::all_of(combined, [](const CombinedBlock& b) { return b.passes; });
+}
+
+std::vector<Bolt> newly_placed(const SupportResult& result, const SupportPlan& plan) {
+  std::vector<Bolt> out;
+  for (std::size_t k = plan.bolts.size() + plan.placed.size(); k < result.bolts.size(); ++k) {
+    out.push_back(result.bolts[k].bolt);
+  }
+  return out;
 }
 
 SupportResult check_support(const topology::AuditedComplex& complex, const Settings& settings, const Analysis& analysis,

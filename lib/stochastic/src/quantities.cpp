@@ -53,7 +53,10 @@ bool Quantity::asked_in(const Record& record) const noexcept {
   return !groups || record.groups.has_value();
 }
 
-const std::vector<Quantity>& quantities() {
+namespace {
+
+/// Of blocks one by one, and of the network.
+const std::vector<Quantity>& block_quantities() {
   static const std::vector<Quantity> all{
       by_case({"key_block_volume_m3", [](const Record& r) { return r.all.volume_m3; }, true, false, true}),
       by_case({"key_block_count", [](const Record& r) { return number(r.all.count); }, true, false, true}),
@@ -93,6 +96,13 @@ const std::vector<Quantity>& quantities() {
        true, false},
       {"concave_block_count", [](const Record& r) { return number(r.concave_blocks); }, false, true, false},
       {"joint_count", [](const Record& r) { return number(r.joints); }, false, false, false},
+  };
+  return all;
+}
+
+/// Of a support design.
+const std::vector<Quantity>& support_quantities() {
+  static const std::vector<Quantity> all{
       by_case({"support_blocks_needing", [](const Record& r) { return r.support ? number(r.support->needing) : 0; },
                true, false, false, true}),
       by_case({"support_needed", [](const Record& r) { return r.support && r.support->needing > 0 ? 1.0 : 0.0; }, true,
@@ -123,6 +133,13 @@ const std::vector<Quantity>& quantities() {
       by_case({"support_leaves_doubt",
                [](const Record& r) { return together_of(r).in_doubt > 0 || together_of(r).too_many ? 1.0 : 0.0; }, true,
                false, false, true, true, true}),
+  };
+  return all;
+}
+
+/// Of blocks judged together, and of the stress across joints.
+const std::vector<Quantity>& group_quantities() {
+  static const std::vector<Quantity> all{
       by_case({"key_group_count", [](const Record& r) { return r.groups ? number(r.groups->moving) : 0; }, true, false,
                true, false, false, true}),
       by_case({"key_group_volume_m3", [](const Record& r) { return r.groups ? r.groups->moving_volume.si() : 0; }, true,
@@ -141,6 +158,19 @@ const std::vector<Quantity>& quantities() {
       {"clamped_probability_of_failure", [](const Record& r) { return clamped_count(r) > 0 ? 1.0 : 0.0; }, true, false,
        false, false, true, false, true},
   };
+  return all;
+}
+
+}  // namespace
+
+const std::vector<Quantity>& quantities() {
+  static const std::vector<Quantity> all = [] {
+    std::vector<Quantity> list;
+    for (const auto* part : {&block_quantities(), &support_quantities(), &group_quantities()}) {
+      list.insert(list.end(), part->begin(), part->end());
+    }
+    return list;
+  }();
   return all;
 }
 

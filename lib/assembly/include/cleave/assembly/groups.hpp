@@ -55,6 +55,7 @@ struct Start {
   Motion motion;              ///< accelerations, m/s2 and 1/s2
   std::vector<double> speed;  ///< of each body, as a share of the largest free fall
   double residual = 1;        ///< largest violation of the conditions, relative
+  ContactForces forces = {};  ///< of the state it ended in; of a part of a larger search left out
 };
 /// Follows the branch of motion from frictionless contacts down to strengths over `factor`.
 [[nodiscard]] Start start_from_rest(const Assembly& assembly, double factor);

@@ -21,24 +21,43 @@ namespace cleave::scene {
 struct StageSupport {
   std::uint64_t blocks = 0;  ///< below their target without support
   std::uint64_t bolts_before = 0, not_held_before = 0;
-  std::uint64_t bolts = 0, not_held = 0, combined_failing = 0;
+  std::uint64_t bolts = 0, spot_bolts = 0, not_held = 0, combined_failing = 0;
   std::optional<SupportedGroupFigures> groups = {};  ///< where blocks are judged together, and not too many
   bool too_many = false;                             ///< to be judged together
+  bool fails_under_load = false;                     ///< in a load case, see StageCase
   [[nodiscard]] bool passes() const noexcept {
-    return not_held == 0 && combined_failing == 0 && !too_many && (!groups || groups->all_held());
+    return not_held == 0 && combined_failing == 0 && !too_many && !fails_under_load && (!groups || groups->all_held());
   }
 };
 template <class V>
 void fields(V& v, const StageSupport& x) {
   v("passes", x.passes(),
-    "with what is installed by then, all blocks, bodies and groups; false where there are too many to judge groups");
+    "with what is installed by then, all blocks, bodies and groups, blocks and bodies under each [[load]], too; false "
+    "where there are too many to judge groups");
   v("blocks", x.blocks, "below their target without support");
   v("bolts_before", x.bolts_before, "installed after earlier stages");
   v("not_held_before", x.not_held_before, "with these alone, without spot bolts and shotcrete");
-  v("bolts", x.bolts, "with those installed after this stage");
-  v("not_held", x.not_held, "with these, spot bolts and shotcrete");
+  v("bolts", x.bolts, "with those installed after this stage, spot bolts too");
+  v("spot_bolts", x.spot_bolts, "of them, put in after this stage where all else fails");
+  v("not_held", x.not_held, "with all of them and shotcrete");
   v("combined_failing", x.combined_failing, "bodies that these bolts stitch together");
   supported_groups_field(v, x.groups);
+}
+
+/// The rock after one stage under a [[load]], block by block.
+struct StageCase {
+  std::string name;
+  stability::Analysis analysis;
+  KeyBlockFigures key_blocks = {};
+  std::optional<std::uint64_t> not_held = {}, combined_failing = {};  ///< with what is installed by then
+};
+template <class V>
+void fields(V& v, const StageCase& x) {
+  v("name", x.name);
+  v("key_block_count", x.key_blocks.count);
+  v("key_block_volume_m3", x.key_blocks.volume_m3);
+  v("not_held", x.not_held, "with the support installed by then; absent without [support]");
+  v("combined_failing", x.combined_failing);
 }
 
 /// The rock after one stage.
@@ -56,6 +75,7 @@ struct StageResult {
   std::optional<StageSupport> support = {};         ///< with [support]
   std::optional<stability::KeyGroups> groups = {};  ///< blocks judged together, where the scene asks for it
   std::vector<stability::Barred> tapered = {};      ///< held by next to nothing
+  std::vector<StageCase> cases = {};                ///< of [[load]], in scene order
   [[nodiscard]] bool passed() const noexcept { return !complex || complex->has_value(); }
 };
 template <class V>
@@ -74,6 +94,7 @@ void fields(V& v, const StageResult& x) {
   v("new_key_block_count", x.new_key_blocks, "without blocks of which a part left in an earlier stage");
   v("new_key_block_volume_m3", x.new_key_volume);
   v("support", x.support, "[support] in the rock after this stage");
+  v("load_cases", when_any(x.cases), "the rock after this stage under each [[load]], block by block");
 }
 
 struct OrderResult {

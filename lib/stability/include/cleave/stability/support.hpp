@@ -108,6 +108,7 @@ struct SupportPlan {
   std::vector<Bolt> bolts = {};
   std::optional<Shotcrete> shotcrete = {};
   std::optional<SpotBolts> spot = {};  ///< placed where all else fails on a face of `spot_area` or more
+  std::vector<Bolt> placed = {};       ///< spot bolts that are there already
   double target_falling = 1.5;
   double target_sliding = 1.3;
   /// Bolts tensioned before the rock moves: they reduce the driving force (else they add to the resistance).
@@ -234,7 +235,7 @@ struct CombinedBlock {
 
 struct SupportResult {
   std::vector<SupportedBlock> blocks = {};   ///< in order of id
-  std::vector<BoltResult> bolts = {};        ///< plan order, then spot bolts
+  std::vector<BoltResult> bolts = {};        ///< plan order, then spot bolts: those placed already first
   std::vector<CombinedBlock> combined = {};  ///< two members and more, by lowest id
   std::size_t spot_bolts = 0;
   /// Blocks with bolts through them that only a side of the domain holds (`DomainHeld`), ascending. They count as rock
@@ -245,6 +246,9 @@ struct SupportResult {
   std::vector<topology::BlockId> undecided = {};
   [[nodiscard]] bool passes() const noexcept;
 };
+
+/// The spot bolts that a check of the plan placed beside those that were there.
+[[nodiscard]] std::vector<Bolt> newly_placed(const SupportResult& result, const SupportPlan& plan);
 
 /// Two-step check (Fu 2014, 4.4, with the mobilised share deciding): each block that misses its target with the bolts
 /// through it, the rock behind fixed; then the blocks that bolts stitch together as one body, which must find hold in
