@@ -386,6 +386,21 @@ TEST_F(MonteCarloTest, StopsAtTheStatedPrecisionOrSaysThatItDidNot) {
   const json mc = section("out");
   EXPECT_EQ(mc["stopped_by"], "precision");
   EXPECT_EQ(mc["realizations"], 100);
+  const json& stop = mc["stop"];
+  EXPECT_EQ(stop["rule"], "fixed_looks");
+  const double mean = mc["quantities"]["block_count"]["mean"],
+               error = mc["quantities"]["block_count"]["standard_error"];
+  EXPECT_NEAR(stop["half_width_at_stop"], 1.959964 * error, 1e-5 * error);
+  EXPECT_NEAR(stop["relative_half_width_at_stop"], 1.959964 * error / mean, 1e-5);
+  EXPECT_LE(stop["relative_half_width_at_stop"], stop["relative_half_width"]);
+  EXPECT_TRUE(read("out/log.txt").contains(" % of the mean by fixed_looks, 20 % asked for")) << read("out/log.txt");
+  write("v.toml", scene("stop = { quantity = \"block_count\", relative_half_width = 0.2, max = 300, rule = "
+                        "\"always_valid\" }"));
+  ASSERT_EQ(cleave("run v.toml -o valid --quiet").code, 0);
+  const json valid = section("valid");
+  EXPECT_EQ(valid["stop"]["rule"], "always_valid");
+  EXPECT_GT(valid["stop"]["half_width_at_stop"].get<double>(),
+            1.5 * 1.959964 * valid["quantities"]["block_count"]["standard_error"].get<double>());
   write("t.toml", scene("stop = { quantity = \"block_count\", relative_half_width = 1e-6, max = 120 }"));
   const Ended far = cleave("run t.toml -o far --quiet");
   EXPECT_EQ(far.code, 4);

@@ -40,6 +40,47 @@ TEST_F(SurveyEstimatesTest, JointsWithoutAnOrientationCountOnLines) {
   EXPECT_EQ(hole["lines"][0]["rqd_measured"], 0);  // pieces of 5 cm; those between every second joint are 10 cm
 }
 
+// Equal readings and single ones say nothing of the spread, one trace nothing of the mean: null, and why.
+TEST_F(SurveyEstimatesTest, WhatSaysNothingOfItsErrorHasNoInterval) {
+  for (const int joints : {1, 5}) {
+    std::string rows = "distance,dip,dip_direction,set\n";
+    for (int i = 1; i <= joints; ++i) rows += std::to_string(i) + ",60,90,A\n";
+    write("l.csv", rows);
+    const json set = survey(line("l.csv", "L", 90, 20))["sets"][0];
+    const json& orientation = set["orientation"];
+    EXPECT_TRUE(orientation["cone_degrees"].is_null());
+    EXPECT_TRUE(orientation["cone_degrees_reason"].get<std::string>().contains("nothing tells"));
+    EXPECT_EQ(orientation["fisher"], false);
+    EXPECT_TRUE(orientation["statistic"].is_null());
+    EXPECT_TRUE(set["notes"].dump().contains("no spread can be had from")) << set["notes"];
+  }
+  write("l.csv", "distance,dip,dip_direction,set\n1,60,90,A\n2,62,95,A\n4,58,85,A\n");
+  const json few = survey(line("l.csv", "L", 90, 20))["sets"][0]["orientation"];
+  EXPECT_GT(few["cone_degrees"], 1);
+  EXPECT_FALSE(few.contains("cone_degrees_reason"));
+  EXPECT_EQ(few["fisher"], false);  // not tested
+  write("t.csv", "x1,y1,x2,y2\n1,1,2,3\n");
+  const json face = survey(
+      "[[window]]\ntraces = \"t.csv\"\nrectangle = { min = [0, 0], max = [5, 5] }\ndip = 90\ndip_direction = 180\n"
+      "[[set]]\nname = \"A\"\ndip = 70\ndip_direction = 90\nkappa = 20\n");
+  int means = 0;
+  for (const json& e : face["sets"][0]["estimates"]) {
+    if (e["name"] != "mean trace length" || e["value"].is_null()) continue;
+    ++means;
+    EXPECT_TRUE(e["low"].is_null() && e["high"].is_null()) << e;
+    EXPECT_TRUE(e["note"].get<std::string>().contains("one trace says nothing")) << e;
+  }
+  EXPECT_EQ(means, 1);
+}
+
+// Joints exactly along the line are met by chance alone; that is why there is no intensity.
+TEST_F(SurveyEstimatesTest, JointsAlongTheLineAreSaid) {
+  write("l.csv", "distance,dip,dip_direction,set\n3,90,0,A\n5,90,0,A\n8,90,0,A\n");
+  const json set = survey(line("l.csv", "L", 90, 20))["sets"][0];
+  EXPECT_TRUE(set["notes"].dump().contains("the lines run along the joints of this set")) << set["notes"];
+  EXPECT_FALSE(set["notes"].dump().contains("no joint on a line")) << set["notes"];
+}
+
 // Six joints of A and two of B are known, four are not: three to one. B cannot be met by the second line, so that its
 // five are of A. The interval is narrower than that of the known ones, wider than if all had been known.
 TEST_F(SurveyEstimatesTest, JointsOfUnknownSetAreSharedOut) {

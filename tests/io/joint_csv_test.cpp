@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -96,6 +97,15 @@ TEST(JointCsvTest, ColumnsInAnyOrderAndEverySize) {
       "friction in degrees, cohesion in Pa");
   EXPECT_EQ(t.notes[1], "column \"remark\" is not used");
   EXPECT_EQ(t.notes[2], "1 of 3 joints has no size (the first in line 6): it goes through the whole domain");
+}
+
+// Some call the strike so.
+TEST(JointCsvTest, AnAzimuthIsSaidToBeTheDipDirection) {
+  const JointTable t = read("dip,Azimuth,x,y,z\n60,30,1,2,3\n");
+  EXPECT_EQ(
+      std::ranges::count(t.notes, "\"azimuth\" is read as the dip direction; where it is the strike, name it strike"),
+      1);
+  EXPECT_EQ(read("dip,dd,x,y,z\n60,30,1,2,3\n").notes.size(), t.notes.size() - 1);
 }
 
 TEST(JointCsvTest, RowsThatRepeatAnEarlierOneAreSaid) {

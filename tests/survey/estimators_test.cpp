@@ -138,11 +138,25 @@ TEST(OrientationTest, ConeDoesNotHangOnHeavyJointsMet) {
   met[0].joints = normals.size();
   const FisherFit blind = fit_fisher(normals, weights), fit = fit_fisher(normals, weights, 0.95, 10, met);
   EXPECT_FALSE(few_carry(blind));
-  EXPECT_GT(fit.cone_degrees, 1.2 * blind.cone_degrees);
+  EXPECT_GT(fit.cone_degrees.value(), 1.2 * blind.cone_degrees.value());
   EXPECT_LT(fit.expected_count, blind.effective_count);
   // Equal weights: Fisher's own cone, met on whatever.
   const std::vector<double> equal(normals.size(), 1.0);
   EXPECT_EQ(fit_fisher(normals, equal, 0.95, 10, met).cone_degrees, fit_fisher(normals, equal).cone_degrees);
+}
+
+// One pole, or equal ones, say nothing of the spread.
+TEST(OrientationTest, EqualPolesHaveNoCone) {
+  const Vec3 pole = normalized(Vec3{1, 2, 3});
+  for (const std::size_t joints : {1U, 2U, 5U}) {
+    const FisherFit fit = fit_fisher(std::vector<Vec3>(joints, pole), std::vector<double>(joints, 1.5));
+    EXPECT_FALSE(fit.cone_degrees.has_value());
+    EXPECT_FALSE(fit.statistic.has_value());
+    EXPECT_TRUE(std::isinf(fit.kappa));
+  }
+  const FisherFit two = fit_fisher(std::vector{pole, normalized(Vec3{1, 2, 2.9})}, std::vector<double>(2, 1.0));
+  EXPECT_NEAR(two.cone_degrees.value(), 2.0, 0.1);  // Fisher's for two, 0.9 degrees apart
+  EXPECT_FALSE(two.statistic.has_value());
 }
 
 TEST(OrientationTest, ConesAndKappaCover) {
@@ -249,8 +263,57 @@ TEST(TracesTest, CircleCountsByHand) {
   c.sum_crossings_ends = 132;
   const Estimate e = mean_length_by_counts(c);
   EXPECT_NEAR(*e.value, 4.027683, 5e-7);
-  EXPECT_NEAR(e.low, 3.4141, 1e-4);
-  EXPECT_NEAR(e.high, 4.7515, 1e-4);
+  // Delta method 0.165269 on the logarithm, with Student's t of 235 degrees of freedom for the normal quantile.
+  EXPECT_NEAR(e.low, 4.027683 / std::exp(0.165269 * 1.970110 / 1.959964 * std::sqrt(236.0 / 235)), 1e-4);
+  EXPECT_NEAR(e.high, 4.027683 * std::exp(0.165269 * 1.970110 / 1.959964 * std::sqrt(236.0 / 235)), 1e-4);
+}
+
+// One trace, or traces all alike, say nothing of how others scatter; the interval of few goes by Student's t.
+TEST(TracesTest, FewTracesHaveNoNarrowInterval) {
+  const PolygonWindow square{{{0, 0}, {5, 0}, {5, 5}, {0, 5}}};
+  const auto of = [&](const std::vector<Polyline>& traces) {
+    const WindowCounts c = count(square, seen_through(square, traces));
+    return std::pair{mean_length(c), mean_length_by_counts(c)};
+  };
+  const Polyline one{{1, 1}, {2, 3}}, cut{{4, 4}, {6, 4}};
+  using Map = std::vector<Polyline>;
+  for (const Map& traces : {Map(1, one), Map(1, cut), Map(6, one), Map(6, cut)}) {
+    const auto [sums, counts] = of(traces);
+    EXPECT_TRUE(sums.value.has_value());
+    EXPECT_FALSE(bounded(sums));
+    EXPECT_TRUE(sums.note.contains(traces.size() == 1 ? "one trace says nothing" : "all alike")) << sums.note;
+    EXPECT_EQ(counts.value.has_value(), traces[0] == cut);
+    EXPECT_FALSE(counts.value && bounded(counts));
+  }
+  const Polyline half{{1, 1}, {1, 2}}, whole{{2, 1}, {2, 3}};  // S 3, m 4: (1/3 - 1/2)^2 + (2/3 - 1/2)^2 = 1/18
+  const Estimate two = of({half, whole}).first;
+  EXPECT_DOUBLE_EQ(*two.value, 1.5);
+  EXPECT_NEAR(two.high, 1.5 * std::exp(12.706205 / 3), 1e-3);
+  EXPECT_NEAR(two.low, 1.5 * std::exp(-12.706205 / 3), 1e-6);
+}
+
+// Given how many traces are seen, intervals of the mean hold it.
+TEST(TracesTest, IntervalsOfFewTracesCover) {
+  const PolygonWindow square{{{0, 0}, {2, 0}, {2, 2}, {0, 2}}};
+  Rng rng{11};
+  for (const std::size_t number : {2U, 3U, 5U, 10U}) {
+    int hold = 0, told = 0;
+    for (int run = 0; run < 1000; ++run) {
+      std::vector<Polyline> traces;
+      while (traces.size() < number) {
+        const double l = -std::log(rng.uniform()), a = 0.4 + 0.3 * rng.normal(), reach = 12;
+        const double x = 1 + reach * (rng.uniform() - 0.5), y = 1 + reach * (rng.uniform() - 0.5);
+        Polyline trace{{x - l / 2 * std::cos(a), y - l / 2 * std::sin(a)},
+                       {x + l / 2 * std::cos(a), y + l / 2 * std::sin(a)}};
+        if (!seen_through(square, std::vector<Polyline>(1, trace)).empty()) traces.push_back(std::move(trace));
+      }
+      const Estimate e = mean_length(count(square, seen_through(square, traces)));
+      if (!e.value) continue;
+      ++told;
+      hold += e.low <= 1 && 1 <= e.high ? 1 : 0;
+    }
+    EXPECT_GT(hold, 0.91 * told) << number;
+  }
 }
 
 TEST(TracesTest, WindowsClipAndCountByHand) {

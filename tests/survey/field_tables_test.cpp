@@ -212,6 +212,47 @@ TEST(FieldTables, ColumnsThatAreNotReadAreSaid) {
   EXPECT_TRUE(spaced[0].contains("not read: \"Spacing\"; spacings follow from the distances")) << spaced[0];
 }
 
+// Half an orientation is no orientation: it is refused, and beside a whole one it is said not to count.
+TEST(FieldTables, HalfAnOrientationIsRefused) {
+  const std::string line = "[[scanline]]\nfile = \"t.csv\"\ntrend = 90\nplunge = 0\nlength = 60\n";
+  const std::string hole = "[[borehole]]\nfile = \"t.csv\"\ntrend = 90\nplunge = 60\nlength = 60\n";
+  EXPECT_TRUE(error_of(line, "distance,dip,set\n5,55,A\n")
+                  .contains("t.csv:1: columns: half an orientation: dip without the column dip_direction or strike"));
+  EXPECT_TRUE(
+      error_of(line, "distance,Dip Dir,set\n5,55,A\n")
+          .contains("t.csv:1: columns: half an orientation: dip_direction (\"Dip Dir\") without the column dip;"));
+  EXPECT_TRUE(error_of(line, "distance,strike\n5,55\n").contains("strike without the column dip;"));
+  EXPECT_TRUE(error_of(line, "distance,trend\n5,55\n").contains("trend without the column plunge;"));
+  EXPECT_TRUE(error_of(line, "distance,plunge\n5,55\n").contains("plunge without the column trend;"));
+  EXPECT_TRUE(error_of(hole, "depth,alpha,set\n5,55,A\n").contains("alpha without the column beta;"));
+  EXPECT_TRUE(error_of(hole, "depth,beta,set\n5,55,A\n").contains("beta without the column alpha;"));
+  EXPECT_TRUE(error_of(poles, "dip,set\n55,A\n").contains("dip without the column dip_direction or strike;"));
+  const auto said = notes_of(line, "distance,dip,dip_direction,alpha\n5,55,40,30\n");
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_TRUE(said[0].contains("alpha is not used: there is no beta")) << said[0];
+  const auto rows = notes_of(line, "distance,dip,dip_direction\n5,55,40\n6,55,\n7,,\n8,,40\n");
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_TRUE(rows[0].contains("t.csv:3: dip: 2 rows from here on have dip or dip_direction alone")) << rows[0];
+  EXPECT_TRUE(notes_of(line, "distance,set\n5,A\n").empty());
+  EXPECT_TRUE(notes_of(line, "distance,dip,strike,dip_direction\n5,55,310,40\n").empty());
+}
+
+// Some call the strike azimuth.
+TEST(FieldTables, AnAzimuthIsSaidToBeTheDipDirection) {
+  const std::string line = "[[scanline]]\nfile = \"t.csv\"\ntrend = 90\nplunge = 0\nlength = 60\n";
+  const std::string what = "\" is read as the dip direction; where it is the strike, name it strike";
+  for (const auto& [toml, table] :
+       {std::pair{line, "distance,dip,Azimuth (deg)\n5,55,40\n"}, std::pair{poles, "dip,Azimuth (deg)\n55,40\n"}}) {
+    const auto said = notes_of(toml, table);
+    ASSERT_EQ(said.size(), 1U);
+    EXPECT_TRUE(said[0].contains("t.csv:1: columns: \"Azimuth (deg)" + what)) << said[0];
+    const auto rows = read(toml, table);
+    ASSERT_EQ(rows.size(), 1U);
+    expect_plane(rows[0].normal, 55, 40);
+  }
+  EXPECT_TRUE(notes_of(line, "distance,dip,dd\n5,55,40\n").empty());
+}
+
 // What is read ends up in the file of sets that a scene includes: nothing may break out of its comments and texts.
 TEST(FieldTables, NamesAreTextAndFilesOfSetsCanBeRead) {
   EXPECT_TRUE(error_of(poles,

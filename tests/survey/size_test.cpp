@@ -24,6 +24,38 @@ Fit law_of(Family family, double a, double b = 1) {
   return fit;
 }
 
+// The choice of the law of the traces is in the interval of the moments of the sizes.
+TEST(SizeTest, MomentsAreOverAllLawsOfTheTraces) {
+  Rng rng{3};
+  SurveyInput input;
+  LineSurvey& line = input.lines.emplace_back();
+  line.name = "L";
+  line.pieces.emplace_back(geometry::Vec3{1, 0, 0}, 40);
+  for (std::size_t i = 0; i < 55; ++i) {
+    line.positions.push_back(40 * rng.uniform());
+    line.sets.emplace_back("A");
+    line.joints.emplace_back(i);
+    line.lengths.emplace_back(
+        SeenLength{-3 * std::log(rng.uniform() * rng.uniform()), 1 + static_cast<unsigned>(i % 2)});
+    const geometry::Vec3 normal = normalized(geometry::Vec3{1, 0.1 * rng.normal(), 0.1 * rng.normal()});
+    input.orientations.push_back({normal.z < 0 ? -normal : normal, "A", geometry::Vec3{1, 0, 0}, std::nullopt});
+  }
+  const SetResult set = analyse(input).sets.at(0);
+  ASSERT_GE(set.lengths.size(), 2U);
+  for (const auto& [taken, order] : {std::pair{*set.m2, 1}, std::pair{*set.m3, 2}}) {
+    const auto figure = [&](const Fit& f) {
+      const SizeMoments m = size_moments(f.moment(1), f.moment(2), set.chords);
+      return std::optional{order == 1 ? m.m2 : m.m3};
+    };
+    const Estimate best = estimate_of(set.lengths.front().fit, "", figure, 0.95);
+    EXPECT_DOUBLE_EQ(taken.value.value(), best.value.value());
+    EXPECT_GT(taken.high / taken.low, 1.02 * best.high / best.low);
+    EXPECT_TRUE(taken.method.contains("over all laws by their AIC")) << taken.method;
+    EXPECT_TRUE(std::isfinite(taken.high));
+    EXPECT_TRUE(taken.note.empty()) << taken.note;
+  }
+}
+
 TEST(SizeTest, DiscsByHand) {
   EXPECT_NEAR(quarter_sine(1), 1, 1e-15);
   EXPECT_NEAR(quarter_sine(2), pi / 4, 1e-15);

@@ -32,6 +32,11 @@ std::string figures_text(const report::MonteCarloPage& page) {
   const stochastic::Figures& f = page.result.figures;
   std::string text = fmt::format("{}\nrealizations {} ({}), seed {}\n", page.title, f.realizations,
                                  enum_name(page.result.stopped_by), page.seed);
+  if (const auto& stop = page.result.stop; stop && stop->relative_half_width) {
+    text += fmt::format("half width   {} {:.3g} % of the mean by {}, {:.3g} % asked for\n", stop->asked.quantity,
+                        100 * *stop->relative_half_width, enum_name(stop->asked.rule),
+                        100 * stop->asked.relative_half_width);
+  }
   for (const scene::ExcavationFigures& e : page.excavations) {
     text += say("excavated    {name}, {volume_m3:.6g} m3\n", e);
   }

@@ -68,6 +68,7 @@ class OrientationsParser final {
     const auto data = read_survey_table(context_, *file, table_.texts("columns").value_or(std::vector<std::string>{}));
     if (!data) return;
     core_ = has_core_angles(*data);
+    if (!check_halves(context_, *file, *data)) return;
     if (!core_ && !has_orientation(*data)) {
       context_.problems.error_in(file->shown, 1, "columns", "lacks the columns of an orientation",
                                  "give dip with dip_direction or strike (right-hand rule), trend and plunge of the "

@@ -29,7 +29,6 @@ constexpr NumberRule kappa_rule{0, true, 1e6, false, ""};
 constexpr NumberRule aspect_rule{1, false, 1000, false, ""};
 constexpr NumberRule confidence_rule{0.5, false, 0.9999, false, ""};
 constexpr NumberRule cap_rule{1, false, 1000, false, ""};
-/// In the order of survey::JointShape.
 
 const KeyTable& line_keys() {
   static const KeyTable keys{
@@ -160,7 +159,8 @@ class SurveyParser final {
     if (!check_columns(context_, *file, *data,
                        {"distance", "length", "ends", "dip", "dip_direction", "strike", "trend", "plunge", "alpha",
                         "beta", "set", "quantity"},
-                       "spacings follow from the distances")) {
+                       "spacings follow from the distances") ||
+        !check_halves(context_, *file, *data)) {
       return;
     }
     note_radians(context_, *file, *data);

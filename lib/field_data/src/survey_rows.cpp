@@ -218,6 +218,59 @@ bool has_orientation(const SurveyTable& table) {
          (table.column("dip") && (table.column("dip_direction") || table.column("strike")));
 }
 
+namespace {
+
+/// Rows in which one cell of the two of an orientation is empty: such a joint has none.
+void note_half_rows(InputContext& context, const LoadedFile& file, const SurveyTable& table) {
+  using Pair = std::pair<string_view, string_view>;
+  const Pair one = has_core_angles(table)                            ? Pair{"alpha", "beta"}
+                   : table.column("trend") && table.column("plunge") ? Pair{"plunge", "trend"}
+                   : table.column("dip_direction")                   ? Pair{"dip", "dip_direction"}
+                                                                     : Pair{"dip", "strike"};
+  const auto first = table.column(one.first), second = table.column(one.second);
+  if (!first || !second) return;
+  const auto half = [&](const SurveyTable::Row& row) {
+    return row.cells[*first].empty() != row.cells[*second].empty();
+  };
+  const auto at = std::ranges::find_if(table.rows, half);
+  if (at == table.rows.end()) return;
+  context.problems.note_in(file.shown, at->line, std::string{one.first},
+                           fmt::format("{} rows from here on have {} or {} alone: their joints have no orientation",
+                                       std::ranges::count_if(table.rows, half), one.first, one.second),
+                           "");
+}
+
+}  // namespace
+
+bool check_halves(InputContext& context, const LoadedFile& file, const SurveyTable& table) {
+  const auto has = [&](string_view name) { return table.column(name).has_value(); };
+  const auto head = [&](string_view name) {
+    const std::string written = on_one_line(string_view{table.heads[*table.column(name)]}.substr(0, 40));
+    return written == name ? written : fmt::format("{} (\"{}\")", name, written);
+  };
+  const bool whole = has_orientation(table) || has_core_angles(table);
+  for (const auto& [one, other, missing] : std::array<std::array<string_view, 3>, 7>{
+           {{"dip", has("strike") ? "strike" : "dip_direction", "dip_direction or strike"},
+            {"dip_direction", "dip", "dip"},
+            {"strike", "dip", "dip"},
+            {"trend", "plunge", "plunge"},
+            {"plunge", "trend", "trend"},
+            {"alpha", "beta", "beta"},
+            {"beta", "alpha", "alpha"}}}) {
+    if (!has(one) || has(other)) continue;
+    if (!whole) {
+      context.problems.error_in(file.shown, 1, "columns",
+                                fmt::format("half an orientation: {} without the column {}", head(one), missing),
+                                fmt::format("add {}, or remove {}: the joints then have no orientation", missing, one));
+      return false;
+    }
+    context.problems.note_in(file.shown, 1, "columns",
+                             fmt::format("{} is not used: there is no {}", head(one), missing), "");
+  }
+  note_half_rows(context, file, table);
+  return true;
+}
+
 std::string set_of_row(InputContext& context, const LoadedFile& file, const SurveyTable& table,
                        const SurveyTable::Row& row, const std::string& otherwise) {
   const auto at = table.column("set");

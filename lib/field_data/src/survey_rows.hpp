@@ -37,6 +37,8 @@ struct RowRules {
 };
 
 [[nodiscard]] bool has_orientation(const SurveyTable& table);
+/// False after a report: columns of half an orientation and no whole one. Notes half a one beside a whole one.
+[[nodiscard]] bool check_halves(InputContext& context, const LoadedFile& file, const SurveyTable& table);
 /// Columns alpha and beta.
 [[nodiscard]] bool has_core_angles(const SurveyTable& table);
 /// The normal that a row states: dip with dip direction or strike (right-hand rule), the pole's trend and plunge, or

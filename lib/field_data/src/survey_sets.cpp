@@ -109,7 +109,7 @@ SetsFile sets_file(const SurveyScene& survey, const survey::SurveyResult& result
       file.toml += set.orientation_stated ? "   # dip stated\n"
                                           : fmt::format("   # kappa {:.3g} to {:.3g}, mean within {:.1f} degrees\n",
                                                         set.orientation.kappa_low, set.orientation.kappa_high,
-                                                        set.orientation.cone_degrees);
+                                                        set.orientation.cone_degrees.value_or(90));
     } else if (set.joints == 1 || std::isinf(set.orientation.kappa)) {
       file.toml += fmt::format("orientation = {{ dip = {}, dip_direction = {} }}   # all parallel\n",
                                mean.dip.degrees(), mean.direction.degrees());

@@ -19,6 +19,13 @@ namespace {
 
 using std::string_view;
 
+/// In lower case, words joined by underscores.
+std::string own_name(string_view name) {
+  std::string word = lower(name);
+  std::ranges::replace_if(word, [](char c) { return c == ' ' || c == '-'; }, '_');
+  return word;
+}
+
 /// The names that other programs give to the same column.
 std::string canonical(string_view name) {
   constexpr std::array<std::pair<string_view, string_view>, 25> aliases{{{"dipdir", "dip_direction"},
@@ -46,8 +53,7 @@ std::string canonical(string_view name) {
                                                                          {"pole_trend", "trend"},
                                                                          {"pole_plunge", "plunge"},
                                                                          {"strike_right", "strike"}}};
-  std::string word = lower(name);
-  std::ranges::replace_if(word, [](char c) { return c == ' ' || c == '-'; }, '_');
+  std::string word = own_name(name);
   for (const auto& [alias, own] : aliases) {
     if (word == alias) return std::string{own};
   }
@@ -238,6 +244,18 @@ std::optional<SurveyTable> read_survey_table(InputContext& context, const Loaded
   return SurveyTableReader{context, file, may_be_empty}.run(columns);
 }
 
+namespace {
+
+/// Some call the strike so.
+void note_azimuth(InputContext& context, const LoadedFile& file, string_view head) {
+  if (own_name(column_head(head).name) != "azimuth") return;
+  context.problems.note_in(file.shown, 1, "columns",
+                           fmt::format("\"{}\" is read as the dip direction", on_one_line(head.substr(0, 40))),
+                           "where it is the strike, name it strike");
+}
+
+}  // namespace
+
 bool check_columns(InputContext& context, const LoadedFile& file, const SurveyTable& table,
                    std::initializer_list<string_view> read, string_view remedy) {
   std::string names;
@@ -245,6 +263,7 @@ bool check_columns(InputContext& context, const LoadedFile& file, const SurveyTa
   for (std::size_t k = 0; k < table.columns.size(); ++k) {
     if (std::ranges::find(read, table.columns[k]) != read.end()) {
       const std::size_t first = *table.column(table.columns[k]);
+      if (first == k) note_azimuth(context, file, table.heads[k]);
       if (first == k) continue;
       context.problems.error_in(file.shown, 1, "columns",
                                 fmt::format("{} comes twice: \"{}\" and \"{}\"", table.columns[k],

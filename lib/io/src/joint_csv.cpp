@@ -201,6 +201,10 @@ class TableReader final {
       take_unit(*found, unit);
       understood += fmt::format("{}{}", understood.empty() ? "" : ", ", name_of(found->column));
       if (cell != name_of(found->column)) understood += fmt::format(" (from {})", shown(cell));
+      if (cell.starts_with("azimuth")) {  // some call the strike so
+        table_.notes.push_back(
+            fmt::format("{} is read as the dip direction; where it is the strike, name it strike", shown(cell)));
+      }
       if (!found->unit.empty()) {
         understood +=
             " in " + std::string{unit_[index(found->column)] ? unit_[index(found->column)]->symbol : found->unit};

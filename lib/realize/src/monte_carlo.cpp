@@ -331,6 +331,16 @@ StoppedBy reason(const MonteCarloSettings& settings, const Ensemble& ensemble) {
                                                                                   : StoppedBy::max;
 }
 
+std::optional<StopFigures> stop_figures(const MonteCarloSettings& settings, const Ensemble& ensemble) {
+  if (!settings.stop) return std::nullopt;
+  StopFigures figures{.asked = *settings.stop};
+  const stochastic::Moments& seen = ensemble.moments(settings.stop->quantity);
+  if (seen.count() < 2) return figures;
+  figures.half_width = half_width(seen, *settings.stop);
+  if (seen.mean() != 0) figures.relative_half_width = *figures.half_width / std::abs(seen.mean());
+  return figures;
+}
+
 }  // namespace
 
 namespace {
@@ -416,7 +426,10 @@ std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& sc
     if (settings.stop && reason(settings, ensemble) == StoppedBy::precision) break;
   }
   CLEAVE_CHECK(file.flush_to_disk());
-  return MonteCarloResult{ensemble.figures(), reason(settings, ensemble), shard};
+  return MonteCarloResult{.figures = ensemble.figures(),
+                          .stopped_by = reason(settings, ensemble),
+                          .shard = shard,
+                          .stop = stop_figures(settings, ensemble)};
 }
 
 std::expected<MonteCarloResult, RecordFileError> figures_of_records(const Scene& scene,
@@ -427,7 +440,10 @@ std::expected<MonteCarloResult, RecordFileError> figures_of_records(const Scene&
     return true;
   });
   if (!read) return std::unexpected(read.error());
-  return MonteCarloResult{ensemble.figures(), reason(*scene.monte_carlo, ensemble), {}};
+  return MonteCarloResult{.figures = ensemble.figures(),
+                          .stopped_by = reason(*scene.monte_carlo, ensemble),
+                          .shard = {},
+                          .stop = stop_figures(*scene.monte_carlo, ensemble)};
 }
 
 }  // namespace cleave::scene

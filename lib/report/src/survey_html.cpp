@@ -177,7 +177,10 @@ std::string range(double low, double high, int digits = 3) {
 std::string attitude_text(const survey::SetResult& set) {
   const geometry::Attitude mean = survey::compass_attitude(set.orientation.mean, set.north);
   std::string out = display(mean.dip.degrees(), 3) + "° / " + display(mean.direction.degrees(), 4) + "°";
-  if (!set.orientation_stated) return out + " ± " + display(set.orientation.cone_degrees, 2) + "°";
+  if (!set.orientation_stated) {
+    const auto cone = set.orientation.cone_degrees;
+    return out + (cone ? " ± " + display(*cone, 2) + "°" : " (error not known)");
+  }
   if (set.direction) out += " " + range(set.direction->low, set.direction->high, 4);
   return out + (set.direction ? ", dip stated" : " (stated)");
 }

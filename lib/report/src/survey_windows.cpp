@@ -19,6 +19,7 @@ using survey::Estimate;
 
 std::string estimate_text(const Estimate& e) {
   if (!e.value) return "not estimable: " + escape_xml(e.note);
+  if (!bounded(e)) return display(*e.value) + " (" + escape_xml(e.note.empty() ? "no interval" : e.note) + ")";
   return display(*e.value) + " (" + (std::isfinite(e.low) ? display(e.low) : "−∞") + " … " +
          (std::isfinite(e.high) ? display(e.high) : "∞") + ")";
 }

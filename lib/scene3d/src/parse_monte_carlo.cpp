@@ -25,7 +25,10 @@ const KeyTable& stop_keys() {
   static const KeyTable keys{
       .name = "monte_carlo.stop",
       .keys = {{"quantity", key::text(), "\"key_block_volume\"", "whose mean is to be known"},
-               {"relative_half_width", key::number({0, true, 10, false, ""}), required, "of the mean's interval"},
+               {"relative_half_width", key::number({0, true, 10, false, ""}), required,
+                "of the mean: stops when the normal quantile times the standard error (with `always_valid` the half "
+                "width of the confidence sequence) is no more than this times the mean; the interval of a skewed "
+                "figure is printed wider"},
                {"confidence", key::number(confidence_rule), "0.95", "of the interval"},
                {"max", key::whole(2, most_realizations), required,
                 "the most realizations; reaching it first ends with exit code 4 and status `not converged`"},

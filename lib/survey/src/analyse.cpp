@@ -142,8 +142,12 @@ class Analysis final {
     set.joints = set.normals.size();
     if (!set.normals.empty()) {
       set.orientation = fit_fisher(set.normals, set.weights, in_.confidence, in_.weight_cap, ways_met(k));
-      if (set.joints == 1) set.notes.emplace_back("one joint: no spread can be had from it");
-      if (std::isinf(set.orientation.kappa) && set.joints > 1) set.notes.emplace_back("all joints are parallel");
+      if (std::isinf(set.orientation.kappa)) {
+        set.notes.push_back(
+            fmt::format("{}: no spread can be had from {}; the intervals of P10 and P32 leave out the "
+                        "error of the orientation",
+                        set.joints == 1 ? "one joint" : "all joints are parallel", set.joints == 1 ? "it" : "them"));
+      }
       if (set.orientation.capped > 0) {
         set.notes.push_back(
             fmt::format("{} joints lie nearly along the line or outcrop: weights above {} are not taken one by one; "
@@ -513,6 +517,9 @@ class Analysis final {
 
   void choose(std::size_t k) {
     SetResult& set = out_.sets[k];
+    if (set.size_mean && set.size_mean->value && !bounded(*set.size_mean)) {
+      set.notes.push_back("size: " + (set.size_mean->note.empty() ? "no interval" : set.size_mean->note));
+    }
     set.p32 = set.p32_windows && set.p32_windows->value ? set.p32_windows : set.p32_lines;
     if (set.p32_lines && set.p32_windows && set.p32_windows->value &&
         (set.p32_lines->low > set.p32_windows->high || set.p32_windows->low > set.p32_lines->high)) {
@@ -535,6 +542,9 @@ class Analysis final {
     set.notes.emplace_back(
         in_.lines.empty() && in_.windows.empty()
             ? "no [[scanline]], [[borehole]] or [[window]]: the intensity is not known"
+        : shared_.known[k] > 0
+            ? "the lines run along the joints of this set (|n.l| = 0): they meet none but by chance, and the intensity "
+              "is not known"
         : has_mean(set) ? "no joint on a line and no trace in a window is of this set: the intensity is not known"
                         : "its orientation is not known, so the intensity is not");
   }

@@ -228,7 +228,12 @@ std::optional<Fit> fit_lengths(std::span<const SeenLength> all, const Meeting& m
 }
 
 Estimate over(const Estimate& a, const Estimate& b, std::string name, std::string method) {
-  Estimate e{std::move(name), {}, 0, INFINITY, std::move(method), a.value ? b.note : a.note};
+  Estimate e{std::move(name),
+             {},
+             0,
+             INFINITY,
+             std::move(method),
+             a.value && (bounded(a) || !b.note.empty()) ? b.note : a.note};
   if (!a.value || !b.value || !(*b.value > 0)) return e;
   e.value = *a.value * (1 / *b.value);
   const auto half = [](double one, double two) { return std::exp(std::hypot(std::log(one), std::log(two))); };
@@ -241,7 +246,12 @@ double std_of(const Fit& fit) { return std::sqrt(std::max(0.0, fit.moment(2) - f
 
 Estimate estimate_of(const Fit& fit, std::string name, const std::function<std::optional<double>(const Fit&)>& figure,
                      double confidence) {
-  Estimate e{std::move(name), figure(fit), 0, INFINITY, "maximum likelihood, delta method on the logarithm", ""};
+  Estimate e{std::move(name),
+             figure(fit),
+             0,
+             INFINITY,
+             "maximum likelihood, delta method on the logarithm",
+             "no interval: the likelihood has no curvature here"};
   if (!e.value || !(*e.value > 0) || fit.moved.empty()) return e;
   double square = 0;
   for (const auto& [a, b] : fit.moved) {
@@ -256,6 +266,7 @@ Estimate estimate_of(const Fit& fit, std::string name, const std::function<std::
   const double half = normal_quantile(0.5 + confidence / 2) * std::sqrt(square);
   e.low = *e.value * std::exp(-half);
   e.high = *e.value * std::exp(half);
+  if (std::isfinite(e.high)) e.note.clear();
   return e;
 }
 

@@ -254,8 +254,9 @@ FisherFit fit_fisher(std::span<const Vec3> normals, std::span<const double> weig
   fit.kappa_high = special::chi_squared_quantile(1 - a, degrees) / (2 * gap);
   const double cosine = 1 - gap / r * (std::pow(1 / (1 - confidence), 1 / (n - 1)) - 1);
   const bool equal = std::ranges::adjacent_find(weights, std::ranges::not_equal_to{}) == weights.end();
-  fit.cone_degrees = equal || normals.size() < 3 ? std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / pi
-                                                 : weighted_cone(normals, weights, fit.mean, n, confidence);
+  const double own_cone = equal || normals.size() < 3 ? std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / pi
+                                                      : weighted_cone(normals, weights, fit.mean, n, confidence);
+  fit.cone_degrees = own_cone;
   if (normals.size() >= 5) {
     std::vector<double> versines;
     for (const Vec3 normal : normals) versines.push_back(1 - std::abs(dot(normal, fit.mean)));
@@ -270,11 +271,11 @@ FisherFit fit_fisher(std::span<const Vec3> normals, std::span<const double> weig
     }
     // Choosing the axes makes the difference positive: its mean is about 1.25 standard errors under symmetry.
     const double error = std::sqrt(std::max(0.0, m2 - m * m) / n);
-    fit.fisher = fit.statistic < 1.094 && m < 3.25 * error;
+    fit.fisher = *fit.statistic < 1.094 && m < 3.25 * error;
   }
   if (equal || normals.size() < 3 || met.empty()) return fit;
   const auto [cone, expected] = cone_of_law(fit, met, cap, confidence);
-  fit.cone_degrees = fit.fisher ? cone : std::max(cone, fit.cone_degrees);
+  fit.cone_degrees = fit.fisher ? cone : std::max(cone, own_cone);
   fit.expected_count = expected;
   return fit;
 }

@@ -10,6 +10,7 @@
 #include "cleave/core/rng.hpp"
 #include "cleave/core/special.hpp"
 #include "disc_fit.hpp"
+#include "ratio.hpp"
 
 namespace cleave::survey::detail {
 
@@ -52,8 +53,7 @@ std::optional<Estimate> length_per_end(const std::vector<SeenLength>& lengths, d
   }
   if (!(ends > 0)) return std::nullopt;
   for (const SeenLength& l : lengths) square += std::pow(l.length / sum - l.ends / ends, 2);
-  const double mean = sum / ends, half = std::exp(normal_quantile(0.5 + confidence / 2) * std::sqrt(square));
-  return Estimate{"mean trace length", mean, mean / half, mean * half, "S/m, delta method", ""};
+  return ratio_of_sums("mean trace length", sum / ends, square, lengths.size(), confidence, "S/m, delta method");
 }
 
 namespace {
@@ -186,24 +186,26 @@ std::vector<FittedSize> fit_sizes(SetResult& set, const std::vector<SeenLength>&
   return edges;
 }
 
+/// A figure under one law.
+struct UnderLaw {
+  double aic;
+  Estimate figure;
+};
+
 /// Interval of a figure over laws of which none is certain: the tails of all, weighted by exp(-AIC/2), hold together
 /// what one law's would (Turek & Fletcher 2012), on the logarithm.
-void average(Estimate& taken, const std::vector<FittedSize>& laws, const std::vector<FittedSize>& edges,
-             const std::function<Estimate(const FittedSize&)>& of, double confidence) {
+void average(Estimate& taken, const std::vector<UnderLaw>& laws, double confidence) {
   struct Law {
     double weight, middle, below, above;  // errors to either side
   };
   const double z = normal_quantile(0.5 + confidence / 2);
   std::vector<Law> known;
-  const auto add = [&](const FittedSize& law) {
-    const Estimate e = of(law);
-    if (!e.value || !(*e.value > 0) || !(e.high > *e.value) || !std::isfinite(e.high)) return;
+  for (const auto& [aic, e] : laws) {
+    if (!e.value || !(*e.value > 0) || !(e.high > *e.value) || !std::isfinite(e.high)) continue;
     const double above = std::log(e.high / *e.value) / z;
     const double below = e.low > 0 && e.low < *e.value ? std::log(*e.value / e.low) / z : above;
-    known.push_back({std::exp((laws.front().aic - law.aic) / 2), std::log(*e.value), below, above});
-  };
-  std::ranges::for_each(laws, add);
-  std::ranges::for_each(edges, add);
+    known.push_back({std::exp((laws.front().aic - aic) / 2), std::log(*e.value), below, above});
+  }
   if (known.size() < 2) return;
   const auto end = [&](double level) {
     double low = INFINITY, high = -INFINITY, sum = 0;
@@ -226,6 +228,40 @@ void average(Estimate& taken, const std::vector<FittedSize>& laws, const std::ve
   taken.low = std::min(*taken.value, end((1 - confidence) / 2));
   taken.high = std::max(*taken.value, end((1 + confidence) / 2));
   taken.method += ", over all laws by their AIC";
+  taken.note.clear();
+}
+
+/// The same, a figure of each law of sizes.
+template <class Of>
+void average(Estimate& taken, const std::vector<FittedSize>& laws, const std::vector<FittedSize>& edges, Of of,
+             double confidence) {
+  std::vector<UnderLaw> all;
+  const auto add = [&](const FittedSize& law) { all.push_back({law.aic, of(law)}); };
+  std::ranges::for_each(laws, add);
+  std::ranges::for_each(edges, add);
+  average(taken, all, confidence);
+}
+
+/// E L^2/E L (order 1) or E L^3/E L (2) by the moments of the traces, under the law of these that fits best; the
+/// interval is over all of them, but for laws whose likelihood has next to no curvature (a normal law cut far above its
+/// mean is nearly exponential).
+Estimate moment_of_sizes(const SetResult& set, int order, double confidence) {
+  constexpr double flat = 30;  // times the value
+  std::vector<UnderLaw> laws;
+  for (const FittedLaw& law : set.lengths) {
+    laws.push_back({law.fit.aic, estimate_of(
+                                     law.fit, order == 1 ? "E L^2 / E L" : "E L^3 / E L",
+                                     [&](const Fit& f) {
+                                       const SizeMoments m = size_moments(f.moment(1), f.moment(2), set.chords);
+                                       return std::optional{order == 1 ? m.m2 : m.m3};
+                                     },
+                                     confidence)});
+  }
+  Estimate taken = laws.front().figure;
+  taken.method = "from the traces' moments, whatever the law of sizes";
+  std::erase_if(laws, [&](const UnderLaw& l) { return l.figure.value && l.figure.high > flat * *l.figure.value; });
+  average(taken, laws, confidence);
+  return taken;
 }
 
 /// One size has no spread to be averaged: where it is taken, the largest that it or a law nearly as good allows; where
@@ -275,18 +311,8 @@ void fit_laws(SetResult& set, const std::vector<SeenLength>& lengths, const Meet
   undecided(set, "trace length", [](const FittedLaw& l) { return std::pair{l.fit.family, l.fit.aic}; }, set.lengths);
   const std::vector<FittedSize> edges = fit_sizes(set, lengths, meeting, confidence);
   const Fit& best = set.lengths.front().fit;
-  const auto moment = [&](int order) {
-    return estimate_of(
-        best, order == 1 ? "E L^2 / E L" : "E L^3 / E L",
-        [&, order](const Fit& f) {
-          const SizeMoments m = size_moments(f.moment(1), f.moment(2), set.chords);
-          return std::optional{order == 1 ? m.m2 : m.m3};
-        },
-        confidence);
-  };
-  set.m2 = moment(1);
-  set.m3 = moment(2);
-  for (Estimate* e : {&*set.m2, &*set.m3}) e->method = "from the traces' moments, whatever the law of sizes";
+  set.m2 = moment_of_sizes(set, 1, confidence);
+  set.m3 = moment_of_sizes(set, 2, confidence);
   const SizeMoments m = size_moments(best.moment(1), best.moment(2), set.chords);
   if (m.ratio() < 1) {
     set.notes.push_back(fmt::format(

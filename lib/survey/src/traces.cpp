@@ -8,6 +8,8 @@
 
 #include "cleave/core/overloaded.hpp"
 #include "cleave/core/rng.hpp"
+#include "cleave/core/special.hpp"
+#include "ratio.hpp"
 
 namespace cleave::survey {
 namespace {
@@ -61,6 +63,27 @@ Estimate not_estimable(std::string name, std::string method, std::string note) {
   return {std::move(name), {}, 0, 0, std::move(method), std::move(note)};
 }
 double number(std::uint64_t n) { return static_cast<double>(n); }
+
+}  // namespace
+
+Estimate detail::ratio_of_sums(std::string name, double value, double variance, std::size_t count, double confidence,
+                               std::string method) {
+  constexpr double rounding = 1e-12;
+  if (count < 2 || !(variance > rounding)) {
+    return {std::move(name),
+            value,
+            0,
+            INFINITY,
+            std::move(method),
+            count < 2 ? "no interval: one trace says nothing of how others scatter"
+                      : "no interval: the traces are all alike and say nothing of how others scatter"};
+  }
+  const double n = number(count);
+  const double half = special::student_t_quantile(0.5 + confidence / 2, n - 1) * std::sqrt(variance * n / (n - 1));
+  return {std::move(name), value, value * std::exp(-half), value * std::exp(half), std::move(method), ""};
+}
+
+namespace {
 
 /// Sum over traces of (x_i/x - m_i/m)^2: the squared coefficient of variation of x/m.
 double ratio_variance(double xx, double xm, double x, double mm, double m) {
@@ -318,8 +341,8 @@ Estimate mean_length(const WindowCounts& c, double confidence) {
   const double m = number(c.ends());
   if (m == 0)
     return not_estimable("mean trace length", "2S/m", "no end of a trace lies inside: enlarge or pool windows");
-  const double cv = std::sqrt(ratio_variance(c.sum_length2, c.sum_length_ends, c.length, number(4 * c.n2 + c.n1), m));
-  return with_interval("mean trace length", 2 * c.length / m, cv, confidence, "2S/m");
+  const double square = ratio_variance(c.sum_length2, c.sum_length_ends, c.length, number(4 * c.n2 + c.n1), m);
+  return detail::ratio_of_sums("mean trace length", 2 * c.length / m, square, c.traces(), confidence, "2S/m");
 }
 
 Estimate mean_length_by_counts(const WindowCounts& c, double confidence) {
@@ -330,10 +353,11 @@ Estimate mean_length_by_counts(const WindowCounts& c, double confidence) {
         "mean trace length", method,
         m == 0 ? "no end of a trace lies inside: enlarge or pool windows" : "no trace reaches the border: use 2S/m");
   }
-  const double cv = std::sqrt(ratio_variance(c.sum_crossings2, c.sum_crossings_ends, x, number(4 * c.n2 + c.n1), m));
+  const double square = ratio_variance(c.sum_crossings2, c.sum_crossings_ends, x, number(4 * c.n2 + c.n1), m);
   // Several circles: areas over widths are pooled by sums as well.
-  Estimate e = with_interval("mean trace length", c.area / c.width * x / m, cv, confidence, method);
-  if (m < 10 || x < 10) e.note = "few ends or crossings: the interval is rough";
+  Estimate e =
+      detail::ratio_of_sums("mean trace length", c.area / c.width * x / m, square, c.traces(), confidence, method);
+  if (e.note.empty() && (m < 10 || x < 10)) e.note = "few ends or crossings: the interval is rough";
   return e;
 }
 

@@ -68,11 +68,19 @@ struct StepSeconds {
   double seconds = 0;
 };
 
+/// What a run that may stop early went by when it ended.
+struct StopFigures {
+  stochastic::Stop asked;
+  std::optional<double> half_width = {};           ///< the figure's unit; empty before two realizations
+  std::optional<double> relative_half_width = {};  ///< of the mean; empty for a mean of 0
+};
+
 struct MonteCarloResult {
   stochastic::Figures figures;
   StoppedBy stopped_by = StoppedBy::realizations;
   stochastic::Shard shard;
   std::vector<StepSeconds> stages = {};  ///< in the order of the plan; empty where records were read alone
+  std::optional<StopFigures> stop = {};
 };
 
 struct MonteCarloWatch {

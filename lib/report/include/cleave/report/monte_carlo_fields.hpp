@@ -40,12 +40,19 @@ void fields(V& v, const SizeShare& x) {
   v("by_volume_low", x.by_volume_interval.low);
   v("by_volume_high", x.by_volume_interval.high);
 }
+/// Why an end of the interval is not there.
+inline std::string reason_of_no_end(const SizeLevel& x) {
+  if (!x.low && !x.high) return "not available: too few realizations or blocks";
+  return x.high ? "low is not available: no volume below which the share would be too small"
+                : "high is not available: too few blocks for an upper end";
+}
 template <class V>
 void fields(V& v, const SizeLevel& x) {
   v("p", x.p);
   v("volume_m3", x.volume_m3, "below which that share lies");
   v("low", OrNull<double>{x.low}, "null: no volume below which the share would be too small");
   v("high", OrNull<double>{x.high}, "null: too few blocks for an upper end");
+  v("reason", when(!x.low || !x.high, reason_of_no_end(x)));
 }
 /// A length with the cubes that its percentile has.
 template <class V>
@@ -58,6 +65,7 @@ void cube_root_fields(V& v, const BlockSizeFigures& x, double p) {
   v("mean", std::cbrt(level.volume_m3));
   v("low", root(level.low));
   v("high", root(level.high));
+  v("reason", when(!level.low || !level.high, reason_of_no_end(level)));
 }
 template <class V>
 void fields(V& v, const BlockSizeFigures& x) {
@@ -202,6 +210,20 @@ void order_fields(V& v, const stochastic::OrderFigures& x, const std::vector<std
 }
 
 template <class V>
+void stop_fields(V& v, const scene::StopFigures& x) {
+  v("quantity", x.asked.quantity);
+  v("rule", one_of(x.asked.rule));
+  v("confidence", x.asked.confidence);
+  v("relative_half_width", x.asked.relative_half_width, "asked for");
+  v("half_width_at_stop", OrNull<double>{x.half_width},
+    "what the rule goes by: with fixed_looks the normal quantile times the standard error, with always_valid that of "
+    "the confidence sequence; the quantity's own interval is wider where its law is skewed");
+  v("relative_half_width_at_stop", OrNull<double>{x.relative_half_width}, "of the mean");
+  v("reason",
+    when(!x.relative_half_width, std::string{x.half_width ? "the mean is 0" : "fewer than two realizations"}));
+}
+
+template <class V>
 void fields(V& v, const MonteCarloPage& x) {
   const stochastic::Figures& f = x.result.figures;
   const scene::StoppedBy stopped = x.result.stopped_by;
@@ -218,6 +240,8 @@ void fields(V& v, const MonteCarloPage& x) {
                                                             : "done",
                          {"done", "not converged", "incomplete"}));
       w("interval_kind", when(x.stop_quantity.has_value(), "sequential, fixed looks"));
+      w("stop", when(x.result.stop.has_value(),
+                     group([&](auto& s) { stop_fields(s, x.result.stop.value_or(scene::StopFigures{})); })));
       w("shard", group([&](auto& s) {
           s("number", x.result.shard.number);
           s("of", x.result.shard.of);

@@ -21,7 +21,7 @@ template <class V>
 void fields(V& v, const Estimate& x) {
   v("name", x.name);
   v("value", OrNull<double>{x.value});
-  v("low", when(x.value.has_value(), x.low));
+  v("low", when(x.value.has_value(), bounded(x) ? x.low : NAN));
   v("high", when(x.value.has_value(), x.high));
   v("method", x.method);
   v("note", when(!x.note.empty(), x.note));
@@ -30,7 +30,7 @@ void fields(V& v, const Estimate& x) {
 /// NAME_low and NAME_high; null where there is no end.
 template <class V>
 void interval_fields(V& v, const std::string& name, double low, double high) {
-  v(name + "_low", low);
+  v(name + "_low", low != 0 || std::isfinite(high) ? low : NAN);
   v(name + "_high", high);
 }
 template <class V>
@@ -66,6 +66,13 @@ void fields(V& v, const SizeOfJoints& law) {
   v("max", when(power, law.max));
 }
 
+/// Why the mean has no cone.
+inline std::string no_cone(const SetResult& set) {
+  if (set.orientation_stated) return "stated, not measured";
+  return set.joints == 1 ? "one joint: nothing tells how they scatter"
+                         : "all joints are parallel: nothing tells how others scatter";
+}
+
 template <class V>
 void orientation_fields(V& v, const SetResult& set) {
   const FisherFit& fit = set.orientation;
@@ -74,14 +81,15 @@ void orientation_fields(V& v, const SetResult& set) {
   v("dip_direction", mean.direction.degrees());
   interval_fields(v, "dip_direction", set.direction);
   v("measured", !set.orientation_stated);
-  v("cone_degrees", fit.cone_degrees);
+  v("cone_degrees", OrNull<double>{fit.cone_degrees});
+  v("cone_degrees_reason", when(!fit.cone_degrees, no_cone(set)));
   v("kappa", fit.kappa);
   // Stated figures have no error.
   if (!set.orientation_stated || fit.kappa_high > 0) interval_fields(v, "kappa", fit.kappa_low, fit.kappa_high);
   v("effective_count", fit.effective_count);
   v("capped", fit.capped);
-  v("fisher", fit.fisher);
-  v("statistic", fit.statistic);
+  v("fisher", set.orientation_stated || (fit.statistic && fit.fisher), "stated, or tested and not refused");
+  v("statistic", OrNull<double>{fit.statistic}, "null: fewer than five joints, or all parallel: not tested");
   if (set.bingham) {
     v("bingham_k1", set.bingham->k1);
     interval_fields(v, "bingham_k1", set.bingham->first[0], set.bingham->first[1]);

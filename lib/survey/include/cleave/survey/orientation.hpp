@@ -38,16 +38,17 @@ struct FisherFit {
   /// Half angle of the confidence cone of the mean: Fisher's (1953) for equal weights, else from the scatter of
   /// weighted joints that the fitted law has where they were met. The sample's own scatter (leaving out one joint after
   /// the other) is too small just where the heavy joints were not met; it is taken where it is not known how joints
-  /// were met, and where it is the larger one and Fisher's law does not fit.
-  double cone_degrees = 0;
+  /// were met, and where it is the larger one and Fisher's law does not fit. Empty for one joint or parallel ones.
+  std::optional<double> cone_degrees = {};
   double effective_count = 0;  ///< (sum w)^2/sum w^2
   double expected_count = 0;   ///< the same as the fitted law has it, whatever joints were met; else that of the sample
   std::size_t count = 0;
   std::size_t capped = 0;  ///< weights at the cap
-  /// Fisher's law fits: 1 - cos t exponential (Stephens' corrected Kolmogorov-Smirnov statistic below its 5 % point
-  /// 1.094) and eigenvalues 2 and 3 not apart by more than twice their standard error.
+  /// Fisher's law is not refused: fewer than five joints or all parallel ones (no `statistic`), or 1 - cos t
+  /// exponential (Stephens' corrected Kolmogorov-Smirnov statistic below its 5 % point 1.094) and eigenvalues 2 and 3
+  /// not apart by more than twice their standard error.
   bool fisher = true;
-  double statistic = 0;
+  std::optional<double> statistic = {};
 };
 /// Joints met in one way (on one line, on one outcrop): the weight that one of this normal has, at most about the cap;
 /// the chance to be met is 1/weight without a cap.

@@ -27,6 +27,9 @@ struct Estimate {
   std::string note;
 };
 
+/// Whether anything is known of the error: no interval reaches from 0 to infinity.
+[[nodiscard]] inline bool bounded(const Estimate& e) noexcept { return e.low != 0 || std::isfinite(e.high); }
+
 /// a/b of two positive estimates that scatter independently: their half widths on the logarithm are added as squares.
 [[nodiscard]] Estimate over(const Estimate& a, const Estimate& b, std::string name, std::string method);
 
