@@ -24,6 +24,7 @@ inline constexpr double volume = 12 * 10 * 8;
 
 inline SizeLaw side(double m) { return SizeLaw::constant(metres(m)); }
 inline FisherOrientation iso() { return {Dip::degrees(0), DipDirection::degrees(0), 0}; }
+inline FisherOrientation steep() { return {Dip::degrees(40), DipDirection::degrees(70), 15}; }
 
 inline JointSet set_of(Model model, Shape shape, Intensity intensity, OrientationLaw law = iso()) {
   auto set = JointSet::make({std::move(law), std::move(shape), FixedRotation{}, intensity, std::move(model)});

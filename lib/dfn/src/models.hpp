@@ -30,6 +30,9 @@ struct SetStreams {
 void terminate(std::vector<SampledJoint>& joints, std::span<const std::span<const SampledJoint>> older,
                double probability, const SetStreams& streams);
 
+/// How far from where they are drawn polygons come that are shifted and turned (MIT); 0 for other models.
+[[nodiscard]] double reach_of_moves(const JointSet& set);
+
 /// Box grown by a part of its diagonal, so that what is drawn in it reaches beyond the domain.
 [[nodiscard]] DomainBox slightly_grown(const DomainBox& domain) noexcept;
 

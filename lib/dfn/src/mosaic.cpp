@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 #include <variant>
@@ -209,55 +209,101 @@ std::vector<Polygon> pieces_of(const std::vector<Vec3>& corners) {
   return pieces;
 }
 
+/// Where cells lie about: one for each.
+struct Seeds {
+  std::vector<Vec3> points;
+  /// Of a regular grid its numbers of cells, the last axis first in memory.
+  std::optional<std::array<std::size_t, 3>> regular;
+};
+
+Seeds poisson_seeds(double density, const DomainBox& box, const SetStreams& streams) {
+  Seeds seeds;
+  const Vec3 extent = box.max - box.min;
+  Rng rng = streams.of(Draw::position, 0), number = streams.of(Draw::count, 0);
+  const std::uint64_t n = poisson(density * extent.x * extent.y * extent.z, number);
+  for (std::uint64_t i = 0; i < n; ++i) {
+    Vec3 p;
+    p.x = box.min.x + rng.uniform() * extent.x;
+    p.y = box.min.y + rng.uniform() * extent.y;
+    p.z = box.min.z + rng.uniform() * extent.z;
+    seeds.points.push_back(p);
+  }
+  return seeds;
+}
+
+/// Each point of a cubic grid, moved by up to half of jitter cells along each axis.
+Seeds grid_seeds(double size, double jitter, const DomainBox& box, const SetStreams& streams) {
+  Seeds seeds;
+  const Vec3 extent = box.max - box.min;
+  Rng rng = streams.of(Draw::position, 0);
+  // The grid has a random phase: the same law everywhere.
+  Vec3 phase;
+  phase.x = rng.uniform();
+  phase.y = rng.uniform();
+  phase.z = rng.uniform();
+  const auto cells = [&](double length) { return static_cast<std::size_t>(length / size) + 1; };
+  const std::array<std::size_t, 3> counts{cells(extent.x), cells(extent.y), cells(extent.z)};
+  for (std::size_t x = 0; x < counts[0]; ++x) {
+    for (std::size_t y = 0; y < counts[1]; ++y) {
+      for (std::size_t z = 0; z < counts[2]; ++z) {
+        Vec3 p;
+        p.x = static_cast<double>(x) + phase.x + jitter * (rng.uniform() - 0.5);
+        p.y = static_cast<double>(y) + phase.y + jitter * (rng.uniform() - 0.5);
+        p.z = static_cast<double>(z) + phase.z + jitter * (rng.uniform() - 0.5);
+        seeds.points.push_back(box.min + size * (p - Vec3{0.5, 0.5, 0.5}));
+      }
+    }
+  }
+  if (jitter == 0) seeds.regular = counts;
+  return seeds;
+}
+
+/// A cell of a regular grid has faces towards its six neighbours alone. The cells across its edges and corners touch it
+/// without area: rounding would decide whether a face is seen there.
+std::vector<CellFace> cubic_cell(const Seeds& seeds, double size, std::size_t i) {
+  const std::array<std::size_t, 3>& counts = *seeds.regular;
+  const std::array<std::size_t, 3> strides{counts[1] * counts[2], counts[2], 1};
+  std::vector<CellFace> faces = cube(seeds.points[i], size / 2);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t place = i / strides[axis] % counts[axis];
+    if (place > 0) faces[2 * axis].neighbour = i - strides[axis];
+    if (place + 1 < counts[axis]) faces[2 * axis + 1].neighbour = i + strides[axis];
+  }
+  return faces;
+}
+
+/// Face area per volume of the cells of one seed per volume.
+double face_area(Mosaic::Seeds seeds) {
+  switch (seeds) {
+    case Mosaic::Seeds::poisson: return 2.910436;  // Miles 1972; Moller 1989
+    case Mosaic::Seeds::grid:
+      return 3;  // cubes
+    // Half the mean surface of 3,000,000 cells: the inner 32^3 of 92 grids of 40^3 seeds of grid_seeds, cut out by
+    // voronoi_cell as here. Standard error 0.0001.
+    case Mosaic::Seeds::jittered: return 2.8891;
+  }
+  return 3;
+}
+
 }  // namespace
 
 std::vector<SampledJoint> mosaic(const JointSet& set, const DomainBox& domain, const SetStreams& streams) {
   const auto& model = std::get<Mosaic>(set.spec().model);
   const Vec3 s = domain.max - domain.min;
   const double volume = s.x * s.y * s.z;
-  // Face area per volume: 2.910436 g^(1/3) of Poisson-Voronoi cells with g seeds per volume; 3 g^(1/3) of cubes.
-  const bool poisson_seeds = model.seeds == Mosaic::Seeds::poisson;
+  // With g seeds per volume faces have g^(1/3) times the area of one.
   const auto* count = std::get_if<Count>(&set.spec().intensity);
   const double density = count != nullptr
                              ? static_cast<double>(count->joints) / volume
-                             : std::pow(set.expected_p32(volume) / model.share / (poisson_seeds ? 2.910436 : 3), 3);
+                             : std::pow(set.expected_p32(volume) / model.share / face_area(model.seeds), 3);
   if (!(density > 0)) return {};
   const double size = std::cbrt(1 / density);
   const Vec3 margin{4 * size, 4 * size, 4 * size};
   const DomainBox box{domain.min - margin, domain.max + margin};
-  std::vector<Vec3> seeds;
-  Rng rng = streams.of(Draw::position, 0);
-  const Vec3 extent = box.max - box.min;
-  if (poisson_seeds) {
-    Rng number = streams.of(Draw::count, 0);
-    const std::uint64_t n = poisson(density * extent.x * extent.y * extent.z, number);
-    for (std::uint64_t i = 0; i < n; ++i) {
-      Vec3 p;
-      p.x = box.min.x + rng.uniform() * extent.x;
-      p.y = box.min.y + rng.uniform() * extent.y;
-      p.z = box.min.z + rng.uniform() * extent.z;
-      seeds.push_back(p);
-    }
-  } else {
-    // The grid has a random phase: the same law everywhere.
-    Vec3 phase;
-    phase.x = rng.uniform();
-    phase.y = rng.uniform();
-    phase.z = rng.uniform();
-    const double jitter = model.seeds == Mosaic::Seeds::jittered ? 1 : 0;
-    const auto cells = [&](double length) { return static_cast<int>(length / size) + 1; };
-    for (int x = 0; x < cells(extent.x); ++x) {
-      for (int y = 0; y < cells(extent.y); ++y) {
-        for (int z = 0; z < cells(extent.z); ++z) {
-          Vec3 p;
-          p.x = x + phase.x + jitter * (rng.uniform() - 0.5);
-          p.y = y + phase.y + jitter * (rng.uniform() - 0.5);
-          p.z = z + phase.z + jitter * (rng.uniform() - 0.5);
-          seeds.push_back(box.min + size * (p - Vec3{0.5, 0.5, 0.5}));
-        }
-      }
-    }
-  }
+  const double jitter = model.seeds == Mosaic::Seeds::jittered ? 1 : 0;
+  const Seeds all = model.seeds == Mosaic::Seeds::poisson ? poisson_seeds(density, box, streams)
+                                                          : grid_seeds(size, jitter, box, streams);
+  const std::vector<Vec3>& seeds = all.points;
   const SeedGrid grid{seeds, box, size};
   // Corners that cells share are computed once in each of them, and are the same to rounding.
   const double farthest = std::max({norm(box.min), norm(box.max), size});
@@ -272,7 +318,7 @@ std::vector<SampledJoint> mosaic(const JointSet& set, const DomainBox& domain, c
   };
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     if (far(seeds[i])) continue;
-    for (const CellFace& face : voronoi_cell(seeds, grid, i)) {
+    for (const CellFace& face : all.regular ? cubic_cell(all, size, i) : voronoi_cell(seeds, grid, i)) {
       if (face.neighbour == outside || face.neighbour < i) continue;
       const bool joint = marks.uniform() < model.share;
       if (!joint) continue;

@@ -48,6 +48,10 @@ std::vector<double> sides_of(const Cell& cell, const Line2& line) {
   return sides;
 }
 
+Cell square(double half) {
+  return {{{-half, -half}, {half, -half}, {half, half}, {-half, half}}, std::vector<std::size_t>(4, Cell::border)};
+}
+
 }  // namespace
 
 double area(const Cell& cell) noexcept {
@@ -117,14 +121,53 @@ std::vector<Cell> cut_by_lines(Cell outline, const std::vector<Line2>& lines) {
   return cells;
 }
 
-Cell cell_around(Cell outline, const std::vector<Line2>& lines, Vec2 point) {
-  for (std::size_t number = 0; number < lines.size(); ++number) {
-    const std::vector<double> sides = sides_of(outline, lines[number]);
+std::vector<Cell> cells_reaching(const Cell& region, double radius, const std::vector<Line2>& lines) {
+  Cell outline = square(radius);
+  std::vector<Line2> crossing;
+  for (const Line2& line : lines) {
+    const std::vector<double> sides = sides_of(region, line);
     const auto [low, high] = std::ranges::minmax(sides);
-    if (low >= 0 || high <= 0) continue;
-    outline = part_of(outline, sides, side(lines[number], point) >= 0 ? 1 : -1, number);
+    if (low < 0 && high > 0) {
+      crossing.push_back(line);
+      continue;
+    }
+    const std::vector<double> distances = sides_of(outline, line);
+    const auto [least, most] = std::ranges::minmax(distances);
+    if (least < 0 && most > 0) outline = part_of(outline, distances, low >= 0 ? 1 : -1, Cell::border);
   }
-  return outline;
+  return cut_by_lines(std::move(outline), crossing);
+}
+
+Cell common_part(Cell cell, const Cell& region) {
+  const std::size_t n = region.corners.size();
+  for (std::size_t i = 0; i < n && !cell.corners.empty(); ++i) {
+    const Vec2 p = region.corners[i], q = region.corners[(i + 1) % n];
+    const double length = std::hypot(q.x - p.x, q.y - p.y);
+    if (!(length > 0)) continue;
+    const double cosine = (p.y - q.y) / length, sine = (q.x - p.x) / length;  // inwards
+    const std::vector<double> sides = sides_of(cell, {cosine, sine, cosine * p.x + sine * p.y});
+    const auto [low, high] = std::ranges::minmax(sides);
+    if (high <= 0) return {};
+    if (low < 0) cell = part_of(cell, sides, 1, Cell::border);
+  }
+  return cell;
+}
+
+Cell cell_at_origin(Rng& rng) {
+  // The nearest lines first, 2r of them within r, until the next is farther than all corners. The square is as good as
+  // the plane: a cell that reaches its sides has a chance of e^-38.
+  Cell cell = square(60);
+  double distance = 0, reach = INFINITY;
+  for (;;) {
+    distance -= std::log1p(-rng.uniform()) / 2;
+    if (distance >= reach) return cell;
+    const double angle = 2 * std::numbers::pi * rng.uniform();
+    const std::vector<double> sides = sides_of(cell, {std::cos(angle), std::sin(angle), distance});
+    if (std::ranges::max(sides) <= 0) continue;
+    cell = part_of(cell, sides, -1, Cell::border);
+    reach = 0;
+    for (const Vec2 p : cell.corners) reach = std::max(reach, std::hypot(p.x, p.y));
+  }
 }
 
 std::vector<Line2> poisson_lines(double density, double radius, Rng& rng) {

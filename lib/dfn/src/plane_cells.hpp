@@ -39,8 +39,13 @@ struct Calipers {
 [[nodiscard]] std::vector<Cell> cut_by_lines(Cell outline, const std::vector<Line2>& lines);
 /// Lines of an isotropic Poisson process with `density` (line length per area) that meet the disc about the origin.
 [[nodiscard]] std::vector<Line2> poisson_lines(double density, double radius, Rng& rng);
-/// As cut_by_lines, faster for one point: the cell that holds it.
-[[nodiscard]] Cell cell_around(Cell outline, const std::vector<Line2>& lines, Vec2 point);
+/// The whole cells of the lines that reach a convex region, and few others beside it; they end `border` beyond the disc
+/// of `radius` that the lines meet. Their edges are not numbered by lines.
+[[nodiscard]] std::vector<Cell> cells_reaching(const Cell& region, double radius, const std::vector<Line2>& lines);
+/// The part of a cell within a convex region; fewer than three corners: none.
+[[nodiscard]] Cell common_part(Cell cell, const Cell& region);
+/// The cell of the origin among isotropic Poisson lines of density 1: cells weighted by their area.
+[[nodiscard]] Cell cell_at_origin(Rng& rng);
 
 /// A plane whose points with whole coordinates lie exactly in one plane of doubles, so that joints drawn on it are
 /// coplanar to the last bit whatever lattice the cutter takes: its axes are vectors of 22-bit numbers times a power of

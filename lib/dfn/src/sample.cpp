@@ -66,8 +66,9 @@ Region region_of(const JointSet& set, const DomainBox& domain) {
   if (is_persistent(set)) {
     // A plane with normal n meets the ball when its offset along n is within the radius: area per volume is offsets per
     // length.
-    const double radius = norm(domain.size()) / 2;
-    return {domain, radius, 2 * radius * p32 / set.area_share(), false};
+    const DomainBox box = domain.grown(detail::reach_of_moves(set));
+    const double radius = norm(box.size()) / 2;
+    return {box, radius, 2 * radius * p32 / set.area_share(), false};
   }
   const DomainBox box = set.spec().buffer ? scaled(domain, buffer) : domain.grown(set.reach());
   return {box, 0, p32 / (set.area_share() * set.mean_area()) * volume(box), false};
@@ -162,7 +163,7 @@ std::optional<SampledJoint> Sampler::plane(std::uint32_t i) const {
   Vec3 through;
   if (region_.ball > 0) {
     const double offset = (2 * stream(Draw::position, i).uniform() - 1) * region_.ball;
-    const Vec3 half = domain_.size() / 2;
+    const Vec3 half = region_.box.size() / 2;
     const double width = std::abs(normal.x) * half.x + std::abs(normal.y) * half.y + std::abs(normal.z) * half.z;
     if (std::abs(offset) > width) return std::nullopt;
     through = (domain_.min + domain_.max) / 2 + offset * normal;
@@ -251,6 +252,9 @@ std::expected<std::vector<SampledJoint>, SampleError> sample(const JointSet& set
     return std::holds_alternative<Mosaic>(set.spec().model) ? detail::mosaic(set, domain, streams)
                                                             : detail::orthogonal(set, domain, streams);
   }
+  // Polygons that are moved far are drawn far around.
+  const double expected = std::holds_alternative<Mit>(set.spec().model) ? expected_draws(set, domain) : 0;
+  if (!(expected <= most_joints)) return std::unexpected(TooManyJoints{expected, most_joints});
   auto joints = Sampler{set, set_index, domain, seed, realization}.run();
   if (!joints) return joints;
   if (on_planes_model(set)) return detail::on_planes(set, *joints, older, domain, streams);
@@ -286,7 +290,7 @@ double expected_draws(const JointSet& set, const DomainBox& domain) noexcept {
   const double area = std::holds_alternative<Dershowitz>(set.spec().model) && p32 > 0
                           ? 16 / (std::numbers::pi * p32 * p32)
                           : set.mean_area();
-  return area > 0 ? std::max(planes, p32 * volume(domain) / area) : planes;
+  return area > 0 ? std::max(planes, p32 * volume(domain.grown(detail::reach_of_moves(set))) / area) : planes;
 }
 
 std::string describe(const SampleError& error) {

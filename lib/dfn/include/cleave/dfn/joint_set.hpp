@@ -222,8 +222,8 @@ struct Orthogonal {
 using Model = std::variant<Baecher, EnhancedBaecher, Veneziano, Dershowitz, Mosaic, Hierarchical, Mit, Orthogonal>;
 
 /// Share of the area of an isotropic Poisson line tessellation that lies in polygons of good shape (Mit): needed to
-/// give the joints the intensity that was asked for. By a fixed pilot of 8,000 points, standard error below 0.01; some
-/// milliseconds.
+/// give the joints the intensity that was asked for. Of the usual shapes known to 0.0001; of others by 32,768 cells,
+/// always the same, with a standard error of at most 0.003; a tenth of a second.
 [[nodiscard]] double good_shape_share(const Mit& model);
 
 // ---- shape ----------------------------------------------------------------------------------------------------------
