@@ -71,6 +71,13 @@ TEST_F(SurveyEstimatesTest, WhatSaysNothingOfItsErrorHasNoInterval) {
     EXPECT_TRUE(e["note"].get<std::string>().contains("one trace says nothing")) << e;
   }
   EXPECT_EQ(means, 1);
+  for (const json& e : face["sets"][0]["estimates"]) {
+    if (!e["name"].get<std::string>().starts_with("E L^")) continue;
+    ++means;
+    EXPECT_TRUE(e["low"].is_null() && e["high"].is_null()) << e;
+    EXPECT_TRUE(e["note"].get<std::string>().contains("all alike")) << e;
+  }
+  EXPECT_EQ(means, 3);
 }
 
 // Joints exactly along the line are met by chance alone; that is why there is no intensity.

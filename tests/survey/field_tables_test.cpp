@@ -215,18 +215,19 @@ TEST(FieldTables, ColumnsThatAreNotReadAreSaid) {
 // Half an orientation is no orientation: it is refused, and beside a whole one it is said not to count.
 TEST(FieldTables, HalfAnOrientationIsRefused) {
   const std::string line = "[[scanline]]\nfile = \"t.csv\"\ntrend = 90\nplunge = 0\nlength = 60\n";
-  const std::string hole = "[[borehole]]\nfile = \"t.csv\"\ntrend = 90\nplunge = 60\nlength = 60\n";
-  EXPECT_TRUE(error_of(line, "distance,dip,set\n5,55,A\n")
-                  .contains("t.csv:1: columns: half an orientation: dip without the column dip_direction or strike"));
+  const std::string core = "[[borehole]]\nfile = \"t.csv\"\ntrend = 90\nplunge = 60\nlength = 60\n";
+  EXPECT_TRUE(
+      error_of(line, "distance,dip,set\n5,55,A\n")
+          .contains("t.csv:1: columns: lacks the columns of an orientation: dip without dip_direction or strike"));
   EXPECT_TRUE(
       error_of(line, "distance,Dip Dir,set\n5,55,A\n")
-          .contains("t.csv:1: columns: half an orientation: dip_direction (\"Dip Dir\") without the column dip;"));
-  EXPECT_TRUE(error_of(line, "distance,strike\n5,55\n").contains("strike without the column dip;"));
-  EXPECT_TRUE(error_of(line, "distance,trend\n5,55\n").contains("trend without the column plunge;"));
-  EXPECT_TRUE(error_of(line, "distance,plunge\n5,55\n").contains("plunge without the column trend;"));
-  EXPECT_TRUE(error_of(hole, "depth,alpha,set\n5,55,A\n").contains("alpha without the column beta;"));
-  EXPECT_TRUE(error_of(hole, "depth,beta,set\n5,55,A\n").contains("beta without the column alpha;"));
-  EXPECT_TRUE(error_of(poles, "dip,set\n55,A\n").contains("dip without the column dip_direction or strike;"));
+          .contains("t.csv:1: columns: lacks the columns of an orientation: dip_direction (\"Dip Dir\") without dip;"));
+  EXPECT_TRUE(error_of(line, "distance,strike\n5,55\n").contains("strike without dip;"));
+  EXPECT_TRUE(error_of(line, "distance,trend\n5,55\n").contains("trend without plunge;"));
+  EXPECT_TRUE(error_of(line, "distance,plunge\n5,55\n").contains("plunge without trend;"));
+  EXPECT_TRUE(error_of(core, "depth,alpha,set\n5,55,A\n").contains("alpha without beta;"));
+  EXPECT_TRUE(error_of(core, "depth,beta,set\n5,55,A\n").contains("beta without alpha;"));
+  EXPECT_TRUE(error_of(poles, "dip,set\n55,A\n").contains("dip without dip_direction or strike;"));
   const auto said = notes_of(line, "distance,dip,dip_direction,alpha\n5,55,40,30\n");
   ASSERT_EQ(said.size(), 1U);
   EXPECT_TRUE(said[0].contains("alpha is not used: there is no beta")) << said[0];

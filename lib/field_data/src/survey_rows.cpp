@@ -260,7 +260,7 @@ bool check_halves(InputContext& context, const LoadedFile& file, const SurveyTab
     if (!has(one) || has(other)) continue;
     if (!whole) {
       context.problems.error_in(file.shown, 1, "columns",
-                                fmt::format("half an orientation: {} without the column {}", head(one), missing),
+                                fmt::format("lacks the columns of an orientation: {} without {}", head(one), missing),
                                 fmt::format("add {}, or remove {}: the joints then have no orientation", missing, one));
       return false;
     }

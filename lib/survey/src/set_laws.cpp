@@ -287,6 +287,21 @@ void average_over_laws(SetResult& set, const std::vector<FittedSize>& edges, dou
   average(*set.offered, set.sizes, edges, [](const FittedSize& law) { return law.offered; }, confidence);
 }
 
+/// One trace, or traces all alike, say nothing of how others scatter: their likelihood is a spike, not an error.
+bool alike(const std::vector<SeenLength>& lengths) {
+  const auto [low, high] = std::ranges::minmax(lengths, {}, &SeenLength::length);
+  return high.length <= low.length * (1 + 1e-9);
+}
+void without_interval(std::optional<Estimate>& e) {
+  if (!e) return;
+  e->low = 0;
+  e->high = INFINITY;
+  e->note = "no interval: traces all alike say nothing of how others scatter";
+}
+void without_intervals(SetResult& set) {
+  for (auto* e : {&set.m2, &set.m3, &set.size_mean, &set.size_std, &set.offered}) without_interval(*e);
+}
+
 }  // namespace
 
 void fit_laws(SetResult& set, const std::vector<SeenLength>& lengths, const Meeting& meeting,
@@ -295,6 +310,7 @@ void fit_laws(SetResult& set, const std::vector<SeenLength>& lengths, const Meet
     // Pooled windows of equal shape: area over width of the sums.
     auto fit = fit_lengths(lengths, meeting, family);
     if (!fit) continue;
+    if (alike(lengths)) fit->moved.clear();
     FittedLaw law{
         .fit = *std::move(fit), .sizes = {}, .mean = {}, .std = {}, .size_mean = {}, .size_std = {}, .test = {}};
     law.sizes = size_by_moments(law.fit, set.chords);
@@ -332,6 +348,7 @@ void fit_laws(SetResult& set, const std::vector<SeenLength>& lengths, const Meet
     set.size_mean = scaled(*mean, "mean size", set.size->mean / *mean->value, mean->method);
     set.size_std = scaled(*mean, "standard deviation of the sizes", set.size->std / *mean->value, mean->method);
   }
+  if (alike(lengths)) without_intervals(set);
 }
 
 }  // namespace cleave::survey::detail
