@@ -67,7 +67,7 @@ TEST_F(MonteCarloTest, LoadCasesAreAnEnsembleOfTheirOwn) {
     const json alone = section("alone");
     EXPECT_FALSE(alone.contains("load_cases"));
     const json& found = cases[0]["quantities"];
-    ASSERT_EQ(found.size(), kind == "groups" ? 24U : kind == "support" ? 16U : 9U);
+    ASSERT_EQ(found.size(), kind == "groups" ? 36U : kind == "support" ? 28U : 17U);
     for (const auto& [name, figures] : found.items()) {
       for (const char* part : {"mean", "standard_error", "low", "high"}) {
         EXPECT_EQ(figures[part], alone["quantities"][name][part]) << name << " " << part;

@@ -310,7 +310,7 @@ struct Realization : SampledScene {
   std::vector<stability::Sensitivity> sensitivity = {};   ///< of the blocks of the first batch
   std::vector<MaximumRow> maximum_blocks = {};
   std::optional<stability::SupportResult> support = {};
-  /// Spot bolts of stages before the last, each put in after the first stage that needs it.
+  /// Spot bolts of the stages, each put in after the first that needs it.
   std::vector<stability::Bolt> spot_bolts_of_stages = {};
   std::vector<CaseSupport> support_cases = {};  ///< of [[load]], in scene order
   /// Of the base case, where blocks are judged together; those of load cases are in `support_cases`.
