@@ -3,25 +3,13 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
-#include "program.hpp"
+#include "example_run.hpp"
 
 namespace cleave::cli::test {
 namespace {
 
-class ExamplesTest : public ProgramTest {
- protected:
-  [[nodiscard]] nlohmann::json result_of(const std::string& name) const {
-    const std::string scene = std::string{CLEAVE_SOURCE_DIR} + "/examples/" + name + "/" + name + ".toml";
-    const Ended run = cleave("run '" + scene + "' --quiet -o " + name);
-    EXPECT_EQ(run.code, 0) << run.err;
-    const auto result = nlohmann::json::parse(read(name + "/summary.json"));
-    EXPECT_TRUE(result["blocks"]["certificate"]["passed"]);
-    EXPECT_LE(result["blocks"]["volume_relative_error"].get<double>(), 1e-12);
-    return result;
-  }
-};
+using ExamplesTest = ExampleRun;
 
 TEST_F(ExamplesTest, BerreCase2Has22Blocks) { EXPECT_EQ(result_of("berre_case2")["blocks"]["count"], 22); }
 
@@ -69,28 +57,7 @@ TEST_F(ExamplesTest, SlabBehindToeIsOneKeyGroup) {
   EXPECT_NE(table.find("\n1,1,unsafe,"), std::string::npos) << table;
 }
 
-/// Every null of a result has its reason beside it: `NAME_reason` (without the unit), or `reason` of the object.
-void expect_reasons(const nlohmann::json& value, const std::string& where) {
-  if (value.is_array()) {
-    for (const auto& element : value) expect_reasons(element, where + "[]");
-  }
-  if (!value.is_object()) return;
-  for (const auto& [name, member] : value.items()) {
-    if (!member.is_null()) {
-      expect_reasons(member, where + "." + name);
-      continue;
-    }
-    const std::string plain = name.substr(0, name.find_last_of('_'));
-    EXPECT_TRUE(value.contains("reason") || value.contains(name + "_reason") || value.contains(plain + "_reason"))
-        << where << "." << name;
-  }
-}
-
-TEST_F(ExamplesTest, EveryNullHasItsReasonBesideIt) {
-  for (const char* name : {"cavern", "crossing_tunnels", "powerhouse", "half_pit", "hillside"}) {
-    expect_reasons(result_of(name), name);
-  }
-}
+TEST_F(ExamplesTest, PowerhouseIsHeld) { EXPECT_EQ(result_of("powerhouse")["support"]["not_held"], 0); }
 
 // Heyman (1967): a hemispherical dome thicker than 0.042 of its radius stands; this one has 0.08, and an eye.
 TEST_F(ExamplesTest, DomeStands) {
@@ -118,7 +85,6 @@ TEST_F(ExamplesTest, TunnelHasKeyBlocksAndAnotherSeedIsAnotherNetwork) {
 // Fu (2014), 4.5.2: 288 bolts. Every block that needs support is listed with what holds it, every bolt with its state.
 TEST_F(ExamplesTest, TunnelSupportIsCheckedInTwoSteps) {
   const auto result = result_of("tunnel_support");
-  expect_reasons(result, "tunnel_support");
   const auto& support = result["support"];
   EXPECT_EQ(support["bolts"].get<int>() - support["spot_bolts"].get<int>(), 288);
   EXPECT_TRUE(support["passes"].get<bool>());

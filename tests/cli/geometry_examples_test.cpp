@@ -1,10 +1,9 @@
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
 
-#include "program.hpp"
+#include "example_run.hpp"
 
 // The scenes of examples/ that show one geometry each: counts and volumes, from the scene file to summary.json.
 
@@ -13,19 +12,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-class GeometryExamples : public ProgramTest {
+class GeometryExamples : public ExampleRun {
  protected:
-  [[nodiscard]] static std::string file(const std::string& name, const std::string& of) {
-    return std::string{CLEAVE_SOURCE_DIR} + "/examples/" + name + "/" + of;
-  }
-  [[nodiscard]] Json result_of(const std::string& name) const {
-    const Ended run = cleave("run '" + file(name, name + ".toml") + "' --quiet -o " + name);
-    EXPECT_EQ(run.code, 0) << run.err;
-    const auto result = Json::parse(read(name + "/summary.json"));
-    EXPECT_TRUE(result["blocks"]["certificate"]["passed"]);
-    EXPECT_LE(result["blocks"]["volume_relative_error"].get<double>(), 1e-12);
-    return result;
-  }
   /// Within 5 % of the stated number of blocks.
   void expect_size(const std::string& name, int stated) const {
     const auto result = result_of(name);

@@ -82,7 +82,13 @@ TEST(SupportScene, SpotBoltsOfAStageAreListed) {
     EXPECT_EQ(bolt.bolt.after_stage, 1U);
     EXPECT_EQ(bolt.status, stability::BoltStatus::off);  // with the rock that they were in
   }
+  EXPECT_GT(first.spot_bolts, 1U);
   EXPECT_EQ(1U, notes_with(run, fmt::format("after stage 1 {} spot bolts are put in", first.spot_bolts)));
+  const RunResult strong = run_of(
+      in_two_stages("[stability]\n[support]\nspot = { length = 6, tendon_capacity = 250e4, plate_capacity = 250e4, "
+                    "bond_strength = 100e4, anchorage = 0.5 }\n"));
+  EXPECT_EQ(strong.sequence->stages[0].support->spot_bolts, 1U);
+  EXPECT_EQ(1U, notes_with(strong, "after stage 1 1 spot bolt is put in"));
 }
 
 // A block beside the first cut stands, and slides in an earthquake; the second cut takes it away.
@@ -106,9 +112,31 @@ TEST(SupportScene, StagesAreJudgedUnderEveryLoad) {
   EXPECT_EQ(quake.key_blocks.count, 1U);
   EXPECT_NEAR(quake.key_blocks.volume_m3, 277.7, 0.1);
   EXPECT_FALSE(quake.not_held.has_value());
-  EXPECT_EQ(1U, notes_with(run, "after stage 1, load case quake: 1 block moves (277.7 m3), without the load 0"));
+  EXPECT_EQ(1U, notes_with(run, "after stage 1, load case quake: 1 block moves (277.7 m3) that would not without"));
   EXPECT_EQ(1U,
             notes_with(run, "groups of blocks were not looked for under each [[load]] after stages before the last"));
+}
+
+// The same block in a slab that slides the other way without the load: as many blocks move, and others.
+TEST(SupportScene, LoadsThatMoveOneBlockAndHoldAnotherAreNoted) {
+  const RunResult run = run_of(
+      "[domain]\nbox = { min = [-20, -20, 0], max = [20, 20, 20] }\n"
+      "[[joint]]\nplane = { through = [4, 0, 9], dip = 20, dip_direction = 90 }\n"
+      "[[joint]]\nplane = { through = [0, 0, 9], dip = 85, dip_direction = 90 }\n"
+      "[[joint]]\nplane = { through = [12, 0, 9], dip = 40, dip_direction = 270 }\n"
+      "[[joint]]\nplane = { through = [16, 0, 9], dip = 85, dip_direction = 270 }\n"
+      "[[joint]]\nplane = { through = [0, -3, 5], dip = 90, dip_direction = 0 }\n"
+      "[[joint]]\nplane = { through = [0, 3, 5], dip = 90, dip_direction = 180 }\n"
+      "[joints.default]\nfriction = 35\n[rock]\ndensity = 2700\n"
+      "[[excavation]]\nname = \"cut\"\nkind = \"polyhedron\"\nstage = 1\n"
+      "box = { min = [4, -10, 8], max = [12, 10, 21] }\n"
+      "[[excavation]]\nname = \"rest\"\nkind = \"polyhedron\"\nstage = 2\n"
+      "box = { min = [-8, -10, 8], max = [17, 10, 21] }\n"
+      "[stability]\nfree = [\"top\"]\n[[load]]\nname = \"quake\"\nseismic = [0.6, 0, 0]\n");
+  const StageResult& first = run.sequence->stages[0];
+  EXPECT_EQ(first.key_blocks.count, 1U);
+  EXPECT_EQ(first.cases.at(0).key_blocks.count, 1U);
+  EXPECT_EQ(1U, notes_with(run, "after stage 1, load case quake: 1 block moves (277.7 m3) that would not without"));
 }
 
 TEST(SupportScene, ASupportThatFailsInAStageUnderALoadDoesNotPassEveryStage) {

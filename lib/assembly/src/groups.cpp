@@ -308,20 +308,15 @@ class Search final {
     return more;
   }
 
-  /// Cohesion counts in proportion where a contact is pressed with less than sin(1 degree) of the load of its lighter
-  /// body, as for single blocks; false when no share fell.
+  /// Cohesion counts in proportion where next to nothing presses, as for single blocks; false when no share fell.
   /// `hardly` names these contacts.
   bool hardly_pressed(const ContactForces& forces, std::vector<double>& share,
                       std::vector<std::uint8_t>& hardly) const {
-    constexpr double full = 0.01745240643728351;  // sin 1 degree
     bool more = false;
     for (std::size_t c = 0; c < share.size(); ++c) {
       const Contact& contact = island_.contacts()[c];
       if (!(share[c] > 0) || contact.bonds.empty() || contact.is_tie()) continue;
-      double pressed = 0, load = norm(island_.bodies()[contact.body].force);
-      for (const geometry::Vec3 force : forces.at_points[c]) pressed += std::max(0.0, dot(force, contact.normal));
-      if (contact.other) load = std::min(load, norm(island_.bodies()[*contact.other].force));
-      const double counts = load > 0 ? pressed / (full * load) : 1;
+      const double counts = pressed_cohesion(island_, contact, forces.at_points[c]);
       if (counts < 1) hardly[c] = 1;
       if (!(counts < (1 - 1e-3) * share[c])) continue;
       share[c] = counts;
@@ -395,6 +390,18 @@ class Search final {
 };
 
 }  // namespace
+
+double cohesion_share(double sine) {
+  constexpr double full = 0.01745240643728351;  // sin 1 degree
+  return std::clamp(sine / full, 0.0, 1.0);
+}
+
+double pressed_cohesion(const Assembly& assembly, const Contact& contact, std::span<const geometry::Vec3> at_points) {
+  double pressed = 0, load = norm(assembly.bodies()[contact.body].force);
+  for (const geometry::Vec3 force : at_points) pressed += std::max(0.0, dot(force, contact.normal));
+  if (contact.other) load = std::min(load, norm(assembly.bodies()[*contact.other].force));
+  return load > 0 ? cohesion_share(pressed / load) : 1;
+}
 
 Groups find_groups(const Assembly& assembly, Ask ask, unsigned threads) {
   Groups out;

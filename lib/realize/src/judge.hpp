@@ -52,6 +52,9 @@ void judge_cases(const Scene& scene, const topology::AuditedComplex& complex, Re
 /// searched for, if the scene asks for them.
 void judge_support(const Scene& scene, const topology::AuditedComplex& complex, const stability::Analysis& analysis,
                    Realization& made, Detail detail, unsigned threads);
+/// The widest spacings for each length of bolt that the scene's design tries, into `Realization::designs`.
+void search_designs(const Scene& scene, const topology::AuditedComplex& complex, const stability::Analysis& analysis,
+                    Realization& made, unsigned threads);
 /// The plan with the targets of a load case.
 [[nodiscard]] stability::SupportPlan plan_under(const LoadCase& load, stability::SupportPlan plan);
 void judge_maximum_blocks(const Scene& scene, Realization& made);

@@ -85,10 +85,9 @@ void add_stage_support_notes(const SequenceResult& sequence, std::vector<std::st
                       under.combined_failing.value_or(0)));
     }
     if (row.support->spot_bolts > 0 && &row != &sequence.stages.back()) {
-      notes.push_back(
-          fmt::format("after stage {} {} spot bolts are put in for what stands then: see after_stage in "
-                      "bolts.csv",
-                      row.stage, row.support->spot_bolts));
+      notes.push_back(fmt::format(
+          "after stage {} {} put in for what stands then: see after_stage in bolts.csv", row.stage,
+          row.support->spot_bolts == 1 ? "1 spot bolt is" : fmt::format("{} spot bolts are", row.support->spot_bolts)));
     }
     if (row.support->not_held == 0 && row.support->combined_failing == 0) continue;
     notes.push_back(
@@ -98,16 +97,33 @@ void add_stage_support_notes(const SequenceResult& sequence, std::vector<std::st
   }
 }
 
-/// What moves under a load in a stage before the last, beside what moves there without it.
+/// Blocks that move, ascending.
+std::vector<topology::BlockId> moving(const stability::Analysis& analysis) {
+  std::vector<topology::BlockId> out;
+  for (const stability::Batch& batch : analysis.batches)
+    out.insert(out.end(), batch.blocks.begin(), batch.blocks.end());
+  std::ranges::sort(out);
+  return out;
+}
+
+/// What moves under a load in a stage before the last, and not without it.
 void add_stage_case_notes(const Scene& scene, const SequenceResult& sequence, std::vector<std::string>& notes) {
   for (const StageResult& row : sequence.stages) {
     if (&row == &sequence.stages.back()) break;
+    if (row.cases.empty()) continue;
+    const std::vector<topology::BlockId> without = moving(*row.analysis);
     for (const StageCase& under : row.cases) {
-      if (under.key_blocks.count <= row.key_blocks.count) continue;
-      notes.push_back(fmt::format("after stage {}, load case {}: {} {} ({:.4g} m3), without the load {}", row.stage,
-                                  under.name, under.key_blocks.count,
-                                  under.key_blocks.count == 1 ? "block moves" : "blocks move",
-                                  under.key_blocks.volume_m3, row.key_blocks.count));
+      std::size_t more = 0;
+      Volume volume;
+      for (const topology::BlockId block : moving(under.analysis)) {
+        if (std::ranges::binary_search(without, block)) continue;
+        ++more;
+        volume += (*row.complex)->complex().blocks()[block].volume;
+      }
+      if (more == 0) continue;
+      notes.push_back(fmt::format("after stage {}, load case {}: {} ({:.4g} m3) that would not without the load",
+                                  row.stage, under.name,
+                                  more == 1 ? "1 block moves" : fmt::format("{} blocks move", more), volume.si()));
     }
   }
   const bool cases = std::ranges::any_of(sequence.stages, [](const StageResult& row) { return !row.cases.empty(); });

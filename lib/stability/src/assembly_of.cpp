@@ -219,7 +219,6 @@ assembly::Assembly assembly_of(Model& model, std::span<const BlockId> blocks, st
 }
 
 BondShares bonds_that_count(Model& model, std::span<const BlockId> blocks, std::uint32_t batch) {
-  constexpr double full = 0.01745240643728351;  // sin 1 degree
   ContactKeys keys;
   const assembly::Assembly group = assembly_with_keys(model, blocks, batch, keys);
   BondShares out;
@@ -229,10 +228,7 @@ BondShares bonds_that_count(Model& model, std::span<const BlockId> blocks, std::
   for (std::size_t c = 0; c < keys.size(); ++c) {
     const assembly::Contact& contact = group.contacts()[c];
     if (!keys[c] || contact.bonds.empty()) continue;
-    double pressed = 0, load = norm(group.bodies()[contact.body].force);
-    for (const Vec3 force : start.forces.at_points[c]) pressed += std::max(0.0, dot(force, contact.normal));
-    if (contact.other) load = std::min(load, norm(group.bodies()[*contact.other].force));
-    const double counts = load > 0 ? std::min(1.0, pressed / (full * load)) : 1;
+    const double counts = pressed_cohesion(group, contact, start.forces.at_points[c]);
     // Faces of two blocks on one plane are one joint.
     const auto [at, fresh] = out.try_emplace(*keys[c], counts);
     if (!fresh) at->second = std::max(at->second, counts);

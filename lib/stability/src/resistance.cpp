@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "cleave/assembly/groups.hpp"
+
 namespace cleave::stability {
 namespace {
 
@@ -80,7 +82,7 @@ class OpeningTension final {
       const double opens = dot(normal, along);
       if (!(opens > 0)) continue;
       straight_ += contact.tension * opens;
-      opening_.push_back({normal, contact.tension, cohesion_share(opens) * contact.cohesion});
+      opening_.push_back({normal, contact.tension, assembly::cohesion_share(opens) * contact.cohesion});
     }
   }
 
@@ -170,15 +172,10 @@ CohesionShares cohesion_shares(std::span<const std::pair<std::uint32_t, double>>
                                double load, double opens, bool parallel_contact) {
   double pressed = 0;
   for (const auto& [presses, reaction] : pressing) {
-    if (presses == group && load > 0) pressed = cohesion_share(reaction / load);
+    if (presses == group && load > 0) pressed = assembly::cohesion_share(reaction / load);
   }
-  const double touches = 1 - cohesion_share(opens);
+  const double touches = 1 - assembly::cohesion_share(opens);
   return {parallel_contact ? std::max(pressed, touches) : pressed, touches};
-}
-
-double cohesion_share(double sine) {
-  constexpr double full = 0.01745240643728351;  // sin 1 degree
-  return std::clamp(sine / full, 0.0, 1.0);
 }
 
 Resistance resistance(const Contacts& contacts, const Resultant& resultant, const Motion& motion,

@@ -18,10 +18,6 @@ struct Resistance {
   std::vector<double> strength;                            ///< of `pressing`: friction and cohesion of each
 };
 
-/// What cohesion is worth at a face to which something stands at this small angle (sine): nothing at none, all from one
-/// degree on. So nothing jumps where a wall stands exactly along the resultant, or the motion exactly along a wall.
-[[nodiscard]] double cohesion_share(double sine);
-
 /// Which shares of a group's cohesion count, and of that of faces that do not open.
 struct CohesionShares {
   double counted = 0, touches = 0;

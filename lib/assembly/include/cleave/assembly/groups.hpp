@@ -35,6 +35,14 @@ struct ContactForces {
 /// `prestress` times the largest load at least. They may lack balance: check them.
 [[nodiscard]] ContactForces holding_forces(const Assembly& assembly, double factor, double prestress = 0);
 
+/// What cohesion is worth at a face to which something stands at this small angle (sine): nothing at none, all from one
+/// degree on. So nothing jumps where a wall stands exactly along the resultant, or the motion exactly along a wall.
+[[nodiscard]] double cohesion_share(double sine);
+/// That of a contact pressed by these forces at its points, N: against the load of its lighter body; all where that has
+/// none.
+[[nodiscard]] double pressed_cohesion(const Assembly& assembly, const Contact& contact,
+                                      std::span<const geometry::Vec3> at_points);
+
 /// The largest F at which strengths/F still admit balance: above it motion is certain whatever the law of flow, the
 /// initial stress or the stiffness. Infinite above 10^4, 0 below 10^-4.
 struct StaticFactor {

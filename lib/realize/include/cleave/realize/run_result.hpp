@@ -150,6 +150,7 @@ void fields(V& v, const MotionResult& x) {
   v("momentum_relative_error", x.momentum_error);
   v("estimated_error_m", or_null(x.error ? x.error->si() : std::numeric_limits<double>::infinity()),
     "distance of corners from a run with half the step, until determined_s; null: error = false, or that run stopped");
+  v("estimated_error_reason", when(!x.error, "error = false, or the run with half the step stopped"));
   v("determined_s", x.determined, "time until which the two runs tell the same path: impacts are chaotic");
 }
 
