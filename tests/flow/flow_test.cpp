@@ -318,7 +318,7 @@ TEST(FlowTest, WhatIsNoNetworkIsRefused) {
   EXPECT_EQ(refused([](auto& s) { s.transmissivity[0] = 0; }), "part 0 has a transmissivity that is not above 0");
   EXPECT_NE(refused([&](auto& s) { s.transmissivity[0] = nan; }), "");
   EXPECT_NE(refused([&](auto& s) { s.mesh.points[1].x = nan; }), "");
-  EXPECT_NE(refused([](auto& s) { s.mesh.points[2] = {2, 0, 0}; }), "") << "no area";
+  EXPECT_NE(refused([](auto& s) { s.mesh.points[2] = {1, 0, 0}; }), "") << "a side without length";
   EXPECT_NE(refused([](auto& s) { s.mesh.triangles[0][2] = 3; }), "");
   EXPECT_NE(refused([](auto& s) { s.mesh.part[0] = 1; }), "");
   EXPECT_NE(refused([](auto& s) { s.mesh.part.clear(); }), "");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -12,6 +13,13 @@ namespace cleave::flow {
 
 using Index = std::uint32_t;
 inline constexpr Index none = UINT32_MAX;
+
+/// m, along the axis in which it is largest.
+[[nodiscard]] inline double extent_of(const Mesh& mesh) noexcept {
+  if (mesh.points.empty()) return 0;
+  const geometry::Vec3 size = geometry::box_of(mesh.points).size();
+  return std::max({size.x, size.y, size.z});
+}
 
 /// The sides of a mesh, numbered in the order of their ends.
 class Sides final {

@@ -22,8 +22,7 @@ bool domain_first(const RockSurface& a, const RockSurface& b) {
 }
 
 void contract_short_sides(Mesh& mesh) {
-  const geometry::Vec3 size = geometry::box_of(mesh.points).size();
-  const double shortest = 1e-11 * std::max({size.x, size.y, size.z});
+  const double shortest = 1e-11 * extent_of(mesh);
   DisjointSets<Index> same{mesh.points.size()};
   bool any = false;
   for (const auto& corners : mesh.triangles) {

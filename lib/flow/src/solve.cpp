@@ -127,7 +127,7 @@ class Level {
     }
     // With e and d the errors of the continuous functions (a head, a weight), a(e, d) = (g, h) / 2 + a rest of at most
     // half the product of the gaps' sizes.
-    const double value = -(product - 0.5 * gap);
+    const double value = 0.5 * gap - product;
     const double half = 0.5 * std::sqrt(std::max(gaps_(0, 0), 0.0) * std::max(squared, 0.0));
     return {value, value - half, value + half};
   }
@@ -172,10 +172,13 @@ class Level {
     std::ranges::stable_sort(order, std::ranges::greater{}, [&](Index t) { return share[t]; });
     std::vector<std::uint8_t> marked(share.size(), 0);
     double sum = 0;
+    std::size_t count = 0;
     for (const Index t : order) {
-      if (sum >= 0.5 * all || !(share[t] > 0)) break;
+      const bool few = count < share.size() / 25;  // rounds cost as much as triangles
+      if ((sum >= 0.5 * all && !few) || !(share[t] > 0)) break;
       marked[t] = 1;
       sum += share[t];
+      ++count;
     }
     return marked;
   }
@@ -260,8 +263,7 @@ class Level {
       double head = 0;
     };
     std::vector<Given> given(corners_.count);
-    const geometry::Vec3 size = geometry::box_of(mesh_.points).size();
-    const double near = same_head * std::max({size.x, size.y, size.z});
+    const double near = same_head * extent_of(mesh_);
     std::optional<HeadsMeet> clash;
     for_each_open([&](std::size_t b, Index side) {
       const Border& border = mesh_.borders[b];
@@ -296,8 +298,7 @@ class Level {
     bool turned = false;
     double largest = 0;
     for_each_open([&](std::size_t, Index side) { largest = std::max(largest, std::abs(out_of(side))); });
-    const geometry::Vec3 size = geometry::box_of(mesh_.points).size();
-    const double near = 1e-12 * std::max({size.x, size.y, size.z});
+    const double near = 1e-12 * extent_of(mesh_);
     for (std::size_t b = 0; b < mesh_.borders.size(); ++b) {
       const Border& border = mesh_.borders[b];
       const Index side = side_of_border_[b];
@@ -389,16 +390,17 @@ class Level {
   }
   /// m3/s: what is rounding, of what the network could carry at a gradient of 1.
   [[nodiscard]] double rounding() const {
-    const geometry::Vec3 size = geometry::box_of(mesh_.points).size();
     double largest = 0;
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) largest = std::max(largest, transmissivity(t));
-    return 1e-12 * largest * std::max({size.x, size.y, size.z});
+    return 1e-12 * largest * extent_of(mesh_);
   }
 
   void put_surfaces(Flow& flow) const {
     flow.surfaces.assign(network_.surfaces().size(), {});
     double sum = 0, sizes = 0;
+    flow.out_of_border.assign(mesh_.borders.size(), 0);
     for (std::size_t b = 0; b < mesh_.borders.size(); ++b) {
+      flow.triangle_of_border.push_back(sides_.triangles(side_of_border_[b]).front());
       const Border& border = mesh_.borders[b];
       if (wet_[sides_.triangles(side_of_border_[b]).front()] == 0) continue;
       SurfaceFlow& own = flow.surfaces[border.surface];
@@ -407,6 +409,7 @@ class Level {
       if (open_[b] == 0) continue;
       const double out = out_of(side_of_border_[b]);
       own.out += out;
+      flow.out_of_border[b] = out;
       sum += out;
       sizes += std::abs(out);
     }

@@ -50,6 +50,18 @@ DrawnStrength draw_strength(const Scene& scene, std::uint64_t realization, SetId
                         own.cohesion ? std::nullopt : properties.roughness);  // a straight law of its own
 }
 
+/// m, one value a joint.
+std::optional<Length> draw_aperture(const Scene& scene, std::uint64_t realization, SetId set, std::size_t stream,
+                                    std::uint32_t index) {
+  const auto& law = scene.sets[set].properties.aperture;
+  if (!law) return std::nullopt;
+  const StreamKey key{.seed = scene.seed,
+                      .realization = realization,
+                      .purpose = stream_purpose(stream, Draw::aperture),
+                      .index = index};
+  return metres(law->quantile(Rng{key}.uniform()));
+}
+
 Problem no_strength(const Scene& scene, SetId set, std::uint32_t line, const stability::StrengthError& why) {
   return {scene.shown, line, "joints." + scene.sets[set].name, describe(why), ""};
 }
@@ -91,6 +103,8 @@ void add_measured(const Scene& scene, std::uint64_t realization, SampledScene& d
                joint.geometry);
     drawn.joints.push_back(describe_joint(joint.set, JointOrigin::measured,
                                           fmt::format("{}:{}", joint.file, joint.line), *strength, normal));
+    drawn.joints.back().aperture =
+        draw_aperture(scene, realization, joint.set, measured_streams + joint.set.index(), index);
     ++drawn.sets[joint.set].joints;
   }
 }
@@ -144,6 +158,7 @@ void add_random(const Scene& scene, std::uint64_t realization, std::size_t numbe
     drawn.input.joints.push_back(dfn::joint_of(std::move(joint)));
     drawn.joints.push_back(
         describe_joint(set.set, JointOrigin::drawn, fmt::format("{} #{}", named.name, index + 1), *strength, normal));
+    drawn.joints.back().aperture = draw_aperture(scene, realization, set.set, number, index);
     ++drawn.sets[set.set].joints;
   }
 }

@@ -73,10 +73,12 @@ struct Flow {
   std::vector<std::array<double, 3>> head = {};  ///< m, at the corners of each triangle; 0 where it is not wet
   std::vector<geometry::Vec3> q = {};  ///< m2/s, of each triangle: rate across a unit width of joint; 0 where not wet
   std::vector<SurfaceFlow> surfaces = {};
-  Rate drained = {};              ///< out of all drained surfaces
-  double wet_area = 0, area = 0;  ///< m2 of joints
-  double residual = 0;            ///< of the equations, relative, the largest
-  double imbalance = 0;           ///< of all rates, of the sum of their sizes
+  std::vector<double> out_of_border = {};              ///< m3/s, of each of the mesh's borders
+  std::vector<std::uint32_t> triangle_of_border = {};  ///< one that lies there
+  Rate drained = {};                                   ///< out of all drained surfaces
+  double wet_area = 0, area = 0;                       ///< m2 of joints
+  double residual = 0;                                 ///< of the equations, relative, the largest
+  double imbalance = 0;                                ///< of all rates, of the sum of their sizes
   std::vector<FlowRound> rounds = {};
   FlowStatus status = FlowStatus::converged;
 };
