@@ -1,14 +1,12 @@
 #include "space.hpp"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <utility>
 
 #include "cleave/core/disjoint_sets.hpp"
 
 namespace cleave::flow {
 namespace {
-
-using Matrix = Eigen::SparseMatrix<double>;
 
 /// Entry (i, j) of a triangle's stiffness; rows add up to 0.
 double entry(const Stiffness& s, std::size_t i, std::size_t j) {
@@ -50,56 +48,63 @@ Space middles_of(const Mesh& mesh, const Sides& sides) {
   return space;
 }
 
-std::optional<double> minimise_energy(const Space& space, std::span<const Stiffness> stiffness,
-                                      std::span<const std::uint8_t> wet, Functions& functions) {
-  std::vector<Index> row(space.count, none);
-  Index rows = 0;
+LeastEnergy::LeastEnergy(const Space& space, std::span<const Stiffness> stiffness, std::span<const std::uint8_t> wet,
+                         std::vector<std::uint8_t> fixed)
+    : space_{&space}, stiffness_{stiffness}, wet_{wet}, fixed_{std::move(fixed)}, row_(space.count, none) {
   for (std::size_t t = 0; t < space.of.size(); ++t) {
     if (wet[t] == 0) continue;
     for (const Index n : space.of[t]) {
-      if (functions.fixed[n] == 0 && row[n] == none) row[n] = rows++;
+      if (fixed_[n] == 0 && row_[n] == none) row_[n] = rows_++;
     }
   }
-  if (rows == 0) return 0.0;
-  const Eigen::Index columns = functions.values.cols();
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(rows, columns);
+  if (rows_ == 0) return;
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(6 * space.of.size());
   for (std::size_t t = 0; t < space.of.size(); ++t) {
     if (wet[t] == 0) continue;
     for (std::size_t i = 0; i < 3; ++i) {
-      const Index r = row[space.of[t][i]];
-      if (r == none) continue;
-      for (std::size_t j = 0; j < 3; ++j) {
-        const double k = space.factor * entry(stiffness[t], i, j);
-        const Index n = space.of[t][j], c = row[n];
-        if (c == none) {
-          right.row(r) -= k * functions.values.row(n);
-        } else if (c <= r) {
-          entries.emplace_back(static_cast<int>(r), static_cast<int>(c), k);
-        }
+      const Index r = row_[space.of[t][i]];
+      for (std::size_t j = 0; j < 3 && r != none; ++j) {
+        const Index c = row_[space.of[t][j]];
+        if (c == none || c > r) continue;
+        entries.emplace_back(static_cast<int>(r), static_cast<int>(c), space.factor * entry(stiffness[t], i, j));
       }
     }
   }
-  Matrix matrix(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(rows));
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Matrix, Eigen::Lower> factor{matrix};
-  if (factor.info() != Eigen::Success) return std::nullopt;
-  Eigen::MatrixXd x = factor.solve(right);
-  const auto whole = matrix.selfadjointView<Eigen::Lower>();
-  x += factor.solve(right - whole * x);  // what rounding left over
+  matrix_.resize(static_cast<Eigen::Index>(rows_), static_cast<Eigen::Index>(rows_));
+  matrix_.setFromTriplets(entries.begin(), entries.end());
+  factor_ = std::make_unique<Eigen::SimplicialLDLT<Matrix, Eigen::Lower>>(matrix_);
+}
+
+std::optional<double> LeastEnergy::fill(Eigen::MatrixXd& values) const {
+  if (rows_ == 0) return 0.0;
+  if (factor_->info() != Eigen::Success) return std::nullopt;
+  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows_), values.cols());
+  for (std::size_t t = 0; t < space_->of.size(); ++t) {
+    if (wet_[t] == 0) continue;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Index r = row_[space_->of[t][i]];
+      for (std::size_t j = 0; j < 3 && r != none; ++j) {
+        const Index n = space_->of[t][j];
+        if (row_[n] == none) right.row(r) -= space_->factor * entry(stiffness_[t], i, j) * values.row(n);
+      }
+    }
+  }
+  Eigen::MatrixXd x = factor_->solve(right);
+  const auto whole = matrix_.selfadjointView<Eigen::Lower>();
+  x += factor_->solve(right - whole * x);  // what rounding left over
+  if (!x.allFinite()) return std::nullopt;
   const Eigen::MatrixXd rest = right - whole * x;
-  const Matrix sizes = matrix.cwiseAbs();
+  const Matrix sizes = matrix_.cwiseAbs();
   const Eigen::MatrixXd scale = sizes.selfadjointView<Eigen::Lower>() * x.cwiseAbs() + right.cwiseAbs();
   double residual = 0;
-  for (Eigen::Index c = 0; c < columns; ++c) {
+  for (Eigen::Index c = 0; c < values.cols(); ++c) {
     const double size = scale.col(c).maxCoeff();
     if (size > 0) residual = std::max(residual, rest.col(c).cwiseAbs().maxCoeff() / size);
   }
-  for (std::size_t n = 0; n < space.count; ++n) {
-    if (row[n] != none) functions.values.row(static_cast<Eigen::Index>(n)) = x.row(row[n]);
+  for (std::size_t n = 0; n < space_->count; ++n) {
+    if (row_[n] != none) values.row(static_cast<Eigen::Index>(n)) = x.row(row_[n]);
   }
-  if (!x.allFinite()) return std::nullopt;
   return residual;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -27,15 +29,27 @@ struct Space {
 /// One in the middle of each side.
 [[nodiscard]] Space middles_of(const Mesh& mesh, const Sides& sides);
 
-/// Some functions of a space side by side, in columns.
-struct Functions {
-  Eigen::MatrixXd values;           ///< rows: numbers of the space
-  std::vector<std::uint8_t> fixed;  ///< of each row
-};
+/// Which numbers of a space are given: the others follow so that a function has the least energy. The equations of the
+/// `wet` triangles, factored once.
+class LeastEnergy final {
+ public:
+  LeastEnergy(const Space& space, std::span<const Stiffness> stiffness, std::span<const std::uint8_t> wet,
+              std::vector<std::uint8_t> fixed);
+  /// Functions side by side in columns; fills in the rows that are not fixed. Rows of no wet triangle stay as they are.
+  /// The largest relative residual, or nothing where there is no solution.
+  [[nodiscard]] std::optional<double> fill(Eigen::MatrixXd& values) const;
+  [[nodiscard]] bool fixed(Index row) const { return fixed_[row] != 0; }
 
-/// Fills in the rows that are not fixed, so that each function has the least energy; only `wet` triangles count, and
-/// rows of no wet triangle stay as they are. The largest relative residual, or nothing where there is no solution.
-[[nodiscard]] std::optional<double> minimise_energy(const Space& space, std::span<const Stiffness> stiffness,
-                                                    std::span<const std::uint8_t> wet, Functions& functions);
+ private:
+  using Matrix = Eigen::SparseMatrix<double>;
+  const Space* space_;
+  std::span<const Stiffness> stiffness_;
+  std::span<const std::uint8_t> wet_;
+  std::vector<std::uint8_t> fixed_;
+  std::vector<Index> row_;  ///< of each number that is not fixed
+  Index rows_ = 0;
+  Matrix matrix_;
+  std::unique_ptr<Eigen::SimplicialLDLT<Matrix, Eigen::Lower>> factor_;
+};
 
 }  // namespace cleave::flow

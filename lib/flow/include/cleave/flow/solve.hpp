@@ -45,9 +45,7 @@ struct BadOption {
   std::string which;
 };
 /// The equations could not be factored.
-struct NotSolved {
-  double residual;
-};
+struct NotSolved {};
 using FlowError = std::variant<HeadsMeet, BadOption, NotSolved>;
 [[nodiscard]] std::string describe(const FlowError& error);
 
