@@ -45,6 +45,8 @@ TEST(FlowScene, ALevelJointIsTheCubicLaw) {
   const auto wide =
       run_of(with_box(level_joint(3) + "[joints.default]\naperture = 2e-3\n[flow]\nviscosity = 0.502e-6\n" + across));
   EXPECT_NEAR(surface(wide, "east").passed->out, 16 * exact, 1e-11 * exact);
+  const auto lying = run_of(with_box(level_joint(3) + level_joint(3) + aperture + "[flow]\n" + across));
+  EXPECT_NEAR(surface(lying, "east").passed->out, 2 * exact, 1e-12 * exact) << "joints on one another add up";
 }
 
 TEST(FlowScene, SetsHaveTheirOwnAperturesAndLawsDrawOneAJoint) {

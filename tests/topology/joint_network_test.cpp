@@ -225,7 +225,7 @@ double length_of_meet(const Polygon& p, const Polygon& q) {
 }
 
 TEST(JointNetworkTest, DiscsAsTheClippingOfPolygonsHasThem) {
-  const support::Workload workload = support::workload_named("disc-300").value();
+  const support::Workload workload = support::workload_named("disc-1000").value();
   const auto complex = with_network(support::cut_input(workload));
   check(complex);
   const auto& network = *complex.network();

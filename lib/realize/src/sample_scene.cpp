@@ -101,10 +101,10 @@ void add_measured(const Scene& scene, std::uint64_t realization, SampledScene& d
                             drawn.input.joints.emplace_back(plane);
                           }},
                joint.geometry);
-    drawn.joints.push_back(describe_joint(joint.set, JointOrigin::measured,
-                                          fmt::format("{}:{}", joint.file, joint.line), *strength, normal));
-    drawn.joints.back().aperture =
-        draw_aperture(scene, realization, joint.set, measured_streams + joint.set.index(), index);
+    JointInfo info = describe_joint(joint.set, JointOrigin::measured, fmt::format("{}:{}", joint.file, joint.line),
+                                    *strength, normal);
+    info.aperture = draw_aperture(scene, realization, joint.set, measured_streams + joint.set.index(), index);
+    drawn.joints.push_back(std::move(info));
     ++drawn.sets[joint.set].joints;
   }
 }
@@ -156,9 +156,10 @@ void add_random(const Scene& scene, std::uint64_t realization, std::size_t numbe
     const geometry::Vec3 normal = joint.normal;
     const std::uint32_t index = joint.index;
     drawn.input.joints.push_back(dfn::joint_of(std::move(joint)));
-    drawn.joints.push_back(
-        describe_joint(set.set, JointOrigin::drawn, fmt::format("{} #{}", named.name, index + 1), *strength, normal));
-    drawn.joints.back().aperture = draw_aperture(scene, realization, set.set, number, index);
+    JointInfo info =
+        describe_joint(set.set, JointOrigin::drawn, fmt::format("{} #{}", named.name, index + 1), *strength, normal);
+    info.aperture = draw_aperture(scene, realization, set.set, number, index);
+    drawn.joints.push_back(std::move(info));
     ++drawn.sets[set.set].joints;
   }
 }

@@ -1,6 +1,7 @@
 #include "detail/face_triangles.hpp"
 
 #include <algorithm>
+#include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -8,8 +9,8 @@
 #include <utility>
 
 #include "cleave/core/assert.hpp"
+#include "cleave/exact/wide.hpp"
 #include "cleave/geometry/ear_ring.hpp"
-#include "detail/rational_point.hpp"
 
 namespace cleave::topology::detail {
 namespace {
@@ -59,7 +60,8 @@ class FaceCorners final {
     if (std::abs(cross) > bound) return seen(cross > 0 ? Sign::positive : Sign::negative);
     if (on_one_line(a, b, c)) return Sign::zero;
     const auto &p = exactly(i), &q = exactly(j), &r = exactly(k);
-    const Rational value = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+    const Integer value =
+        p[0] * (q[1] * r[2] - q[2] * r[1]) - p[1] * (q[0] * r[2] - q[2] * r[0]) + p[2] * (q[0] * r[1] - q[1] * r[0]);
     return seen(value > 0 ? Sign::positive : value < 0 ? Sign::negative : Sign::zero);
   }
   [[nodiscard]] static auto ignored(Number a, Number b, Number c) {
@@ -73,7 +75,9 @@ class FaceCorners final {
     constexpr double bound = 0x1p-40;
     if (std::abs(dot) > bound) return dot > 0;
     const auto &o = exactly(a), &x = exactly(from), &y = exactly(p);
-    return (x[0] - o[0]) * (y[0] - o[0]) + (x[1] - o[1]) * (y[1] - o[1]) > 0;
+    Integer sum = 0;
+    for (std::size_t k = 0; k < 2; ++k) sum += (x[k] * o[2] - o[k] * x[2]) * (y[k] * o[2] - o[k] * y[2]);
+    return sum > 0;
   }
   /// The boxes of two segments are safely apart.
   [[nodiscard]] bool boxes_apart(Number i, Number j, Number k, Number l) const {
@@ -84,7 +88,8 @@ class FaceCorners final {
   }
 
  private:
-  using Exact = std::array<Rational, 2>;
+  using Integer = boost::multiprecision::cpp_int;
+  using Exact = std::array<Integer, 3>;  ///< (u, v) times the last, which is above 0
   struct Corner {
     Index vertex;
     double u, v;
@@ -101,8 +106,11 @@ class FaceCorners final {
   [[nodiscard]] const Exact& exactly(Number i) const {
     const Corner& corner = corners_[i];
     if (!corner.exact) {
-      RationalPoint p = rational_position(prepared_, graph_.meet(corner.vertex));
-      corner.exact = {std::move(p[view_.u]), std::move(p[view_.v])};
+      const Meet& meet = graph_.meet(corner.vertex);
+      const auto& planes = prepared_.planes;
+      const auto point = exact::exact_meet(exact::exact_line(planes[meet[0]], planes[meet[1]]), planes[meet[2]]);
+      const int sign = point.w < 0 ? -1 : 1;
+      corner.exact = Exact{Integer{point.x[view_.u]} * sign, Integer{point.x[view_.v]} * sign, Integer{point.w} * sign};
     }
     return *corner.exact;
   }

@@ -109,7 +109,7 @@ void fields(V& v, const FlowResult& x) {
   v("surfaces", x.surfaces);
   const flow::Flow still{};
   const flow::Flow& f = x.flow ? *x.flow : still;
-  v("status", when(x.flow.has_value(), f.status),
+  v("status", when(x.flow.has_value(), one_of(f.status)),
     "converged; too_many_triangles: the bounds are wider than asked for; unsettled: where water comes out of drained "
     "surfaces was not settled");
   v("inflow_m3_s", when(x.flow.has_value(), f.drained.value), "out of all drained surfaces");
