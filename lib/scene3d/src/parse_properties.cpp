@@ -197,6 +197,20 @@ KeyTable make_law_keys(const NumberRule& rule) {
                    {"max", key::number(limit), "", "upper limit"}}};
 }
 
+namespace {
+
+/// Lengths have a law of their own, in the same unit.
+const KeyTable& aperture_law_keys() {
+  static const KeyTable keys = [] {
+    KeyTable law = make_law_keys(aperture_rule);
+    law.name = "law of aperture in m";
+    return law;
+  }();
+  return keys;
+}
+
+}  // namespace
+
 const KeyTable& strength_keys() {
   static const KeyTable keys{
       .name = "joints",
@@ -218,7 +232,7 @@ const KeyTable& strength_keys() {
            "block "
            "comes out"},
           {"shear_stiffness", key::number(stiffness_rule), "", "Pa/m"},
-          {"aperture", number_or_law<aperture_rule>(), "",
+          {"aperture", key::either({key::number(aperture_rule), key::table(&aperture_law_keys)}), "",
            "m, hydraulic, for `[flow]`: a number or a law, one value a joint. Transmissivity is g a^3 / (12 "
            "viscosity)"}}};
   return keys;
