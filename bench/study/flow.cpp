@@ -12,8 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "cleave/flow/network_of.hpp"
-#include "cleave/flow/solve.hpp"
+#include "cleave/flow/flow.hpp"
 #include "cleave/topology/cut.hpp"
 #include "study.hpp"
 #include "workloads.hpp"
@@ -29,7 +28,8 @@ flow::Network network_of(topology::CutInput input, std::uint32_t open, std::size
   const flow::JointSurfaces surfaces = flow::surfaces_of(*complex.network());
   flow::NetworkSpec spec{.mesh = flow::mesh_of(complex, surfaces), .transmissivity = {}, .surfaces = {}};
   for (const topology::JointPiece& piece : complex.network()->pieces) {
-    spec.transmissivity.push_back(std::pow(10.0, static_cast<double>(piece.joints.front().index() * 7 % kinds)));
+    const double power = static_cast<double>(piece.joints.front().index() * 7 % kinds);
+    spec.transmissivity.push_back(Transmissivity::from_si(std::pow(10.0, power)));
   }
   for (const flow::RockSurface& surface : surfaces.surfaces) {
     spec.surfaces.push_back(surface.excavation               ? flow::Surface{flow::Drained{}}

@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include "cleave/flow/connectivity.hpp"
+#include "cleave/flow/flow.hpp"
 #include "complexes.hpp"
 #include "workloads.hpp"
 

@@ -9,8 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "cleave/flow/network_of.hpp"
-#include "cleave/flow/solve.hpp"
+#include "cleave/flow/flow.hpp"
 #include "cleave/geometry/tunnel.hpp"
 #include "complexes.hpp"
 #include "workloads.hpp"
@@ -67,7 +66,7 @@ Built build(topology::CutInput input, const Water& water) {
     for (const auto joint : piece.joints) {
       sum += joint.index() < water.transmissivity.size() ? water.transmissivity[joint.index()] : 1e-6;
     }
-    spec.transmissivity.push_back(sum);
+    spec.transmissivity.push_back(Transmissivity::from_si(sum));
   }
   for (const auto& surface : surfaces.surfaces) {
     const auto given = surface.tag ? water.sides.find(*surface.tag) : water.sides.end();
@@ -98,18 +97,18 @@ TEST(FlowTest, OneJointIsDarcysLaw) {
   const Flow flow = solved(built.network);
   const double exact = 2e-5 * 3 * (10 - 4) / 4;
   const auto& out = flow.surfaces[built.of_tag(east)];
-  EXPECT_NEAR(out.out, exact, 1e-15);
+  EXPECT_NEAR(out.out.si(), exact, 1e-15);
   ASSERT_TRUE(out.bounds.has_value());
   EXPECT_NEAR(out.bounds->low, exact, 1e-15);
   EXPECT_NEAR(out.bounds->high, exact, 1e-15);
-  EXPECT_NEAR(flow.surfaces[built.of_tag(west)].out, -exact, 1e-15);
-  EXPECT_DOUBLE_EQ(out.open_length, 3);
+  EXPECT_NEAR(flow.surfaces[built.of_tag(west)].out.si(), -exact, 1e-15);
+  EXPECT_DOUBLE_EQ(out.open_length.si(), 3);
   EXPECT_EQ(flow.rounds.size(), 1U) << "linear heads need no finer mesh";
   for (std::size_t t = 0; t < flow.mesh.triangles.size(); ++t) {
     EXPECT_NEAR(flow.q[t].x, exact / 3, 1e-15);
     for (std::size_t k = 0; k < 3; ++k) {
       const double x = built.complex.origin().x + flow.mesh.points[flow.mesh.triangles[t][k]].x;
-      EXPECT_NEAR(built.complex.origin().z + flow.head[t][k], 10 - 1.5 * x, 1e-12);
+      EXPECT_NEAR(built.complex.origin().z + flow.head[t][k].si(), 10 - 1.5 * x, 1e-12);
     }
   }
 }
@@ -120,7 +119,7 @@ TEST(FlowTest, ParallelJointsAddAndJointsAcrossChangeNothing) {
                            {.sides = {{west, at(3)}, {east, at(2)}}, .transmissivity = {1e-5, 2e-5, 7e-4, 3e-5}});
   const Flow flow = solved(built.network);
   const double exact = ((1e-5 + 3e-5) * 3 + 2e-5 * 2) / 4;  // the first and the last lie on one another
-  EXPECT_NEAR(flow.surfaces[built.of_tag(east)].out, exact, 1e-15);
+  EXPECT_NEAR(flow.surfaces[built.of_tag(east)].out.si(), exact, 1e-15);
 }
 
 TEST(FlowTest, JointsInARowAddTheirResistances) {
@@ -130,7 +129,7 @@ TEST(FlowTest, JointsInARowAddTheirResistances) {
                            {.sides = {{west, at(8)}, {east, at(3)}}, .transmissivity = {1e-6, 4e-6, 2e-6}});
   const double exact = 5 * 3 / (2 / 1e-6 + 1 / 4e-6 + 2 / 2e-6);
   const Flow flow = solved(built.network);
-  EXPECT_NEAR(flow.surfaces[built.of_tag(east)].out, exact, 1e-12 * exact);
+  EXPECT_NEAR(flow.surfaces[built.of_tag(east)].out.si(), exact, 1e-12 * exact);
 }
 
 TEST(FlowTest, WhatHangsOnNothingStaysDry) {
@@ -139,14 +138,14 @@ TEST(FlowTest, WhatHangsOnNothingStaysDry) {
                                           rectangle(0, 2, {1, 0.5}, {2, 1.25})}),
                            {.sides = {{west, at(10)}, {east, at(6)}}});
   const Flow flow = solved(built.network);
-  EXPECT_NEAR(flow.area, 12 + 1 + 0.75, 1e-12);
-  EXPECT_NEAR(flow.wet_area, 12 + 0.75, 1e-12);
-  EXPECT_NEAR(flow.surfaces[built.of_tag(east)].out, 3e-6, 1e-18);
+  EXPECT_NEAR(flow.area.si(), 12 + 1 + 0.75, 1e-12);
+  EXPECT_NEAR(flow.wet_area.si(), 12 + 0.75, 1e-12);
+  EXPECT_NEAR(flow.surfaces[built.of_tag(east)].out.si(), 3e-6, 1e-18);
   for (std::size_t t = 0; t < flow.mesh.triangles.size(); ++t) {
     const auto joint = built.complex.network()->pieces[flow.mesh.part[t]].joints.front();
     EXPECT_EQ(flow.wet[t] != 0, joint != topology::JointId{1U});
     if (joint == topology::JointId{2U}) {
-      for (const double head : flow.head[t]) EXPECT_NEAR(built.complex.origin().z + head, 8, 1e-12) << "at x = 2";
+      for (const Length head : flow.head[t]) EXPECT_NEAR(built.complex.origin().z + head.si(), 8, 1e-12) << "at x = 2";
     }
   }
 }
@@ -216,9 +215,9 @@ TEST(FlowTest, BoundsOfRandomNetworksHoldThoseOfFinerMeshes) {
     EXPECT_LE(fine.drained.value, coarse.drained.high);
     EXPECT_GE(coarse.drained.high, fine.drained.low);
     EXPECT_LE(coarse.drained.low, fine.drained.high);
-    EXPECT_NEAR(fine.wet_area, coarse.wet_area, 1e-6);
+    EXPECT_NEAR(fine.wet_area.si(), coarse.wet_area.si(), 1e-6);
     double sum = 0;
-    for (const auto& surface : fine.surfaces) sum += surface.out;
+    for (const auto& surface : fine.surfaces) sum += surface.out.si();
     EXPECT_LT(std::abs(sum), 0.03 * fine.drained.value);
   }
 }
@@ -232,11 +231,11 @@ TEST(FlowTest, TurnedSwappedAndScaledNetworksGiveTheSame) {
   const auto overlaps = [](const flow::Rate& a, const flow::Rate& b) { return a.low <= b.high && b.low <= a.high; };
   Water swapped{.sides = {{west, at(110)}, {east, at(150)}}};
   const auto back = build(input, swapped);
-  EXPECT_NEAR(solved(back.network, 0.1).surfaces[back.of_tag(west)].out, rate.value, 1e-9 * rate.value);
+  EXPECT_NEAR(solved(back.network, 0.1).surfaces[back.of_tag(west)].out.si(), rate.value, 1e-9 * rate.value);
   Water doubled = water;
   doubled.transmissivity.assign(input.joints.size(), 2e-6);
   const auto twice = build(input, doubled);
-  EXPECT_NEAR(solved(twice.network, 0.1).surfaces[twice.of_tag(east)].out, 2 * rate.value, 1e-9 * rate.value);
+  EXPECT_NEAR(solved(twice.network, 0.1).surfaces[twice.of_tag(east)].out.si(), 2 * rate.value, 1e-9 * rate.value);
   std::ranges::reverse(input.joints);
   const auto reversed = build(input, water);
   EXPECT_TRUE(overlaps(*solved(reversed.network, 0.1).surfaces[reversed.of_tag(east)].bounds, rate));
@@ -248,12 +247,12 @@ TEST(FlowTest, WaterStandsNoHigherThanItsLevel) {
                            {.sides = {{west, at(1)}, {east, at(0.5)}}, .transmissivity = {1e-6}});
   const Flow flow = solved(built.network, 0.005);
   const auto& in = flow.surfaces[built.of_tag(west)];
-  EXPECT_DOUBLE_EQ(in.open_length, 1);
-  EXPECT_DOUBLE_EQ(in.dry_length, 1);
-  EXPECT_DOUBLE_EQ(flow.surfaces[built.of_tag(east)].open_length, 0.5);
+  EXPECT_DOUBLE_EQ(in.open_length.si(), 1);
+  EXPECT_DOUBLE_EQ(in.dry_length.si(), 1);
+  EXPECT_DOUBLE_EQ(flow.surfaces[built.of_tag(east)].open_length.si(), 0.5);
   // Less than through the whole height, more than through the lower half metre alone.
-  EXPECT_LT(-in.out, 1e-6 * 0.5 * 2 / 4);
-  EXPECT_GT(-in.out, 1e-6 * 0.5 * 0.5 / 4);
+  EXPECT_LT(-in.out.si(), 1e-6 * 0.5 * 2 / 4);
+  EXPECT_GT(-in.out.si(), 1e-6 * 0.5 * 0.5 / 4);
 }
 
 TEST(FlowTest, WaterComesOutOfDrainedSurfacesAndNeverGoesIn) {
@@ -264,9 +263,9 @@ TEST(FlowTest, WaterComesOutOfDrainedSurfacesAndNeverGoesIn) {
   EXPECT_EQ(flow.status, FlowStatus::converged);
   const auto& chamber = flow.surfaces[built.of_excavation(0)];
   EXPECT_GT(flow.drained.low, 0);
-  EXPECT_GT(chamber.dry_length, 1) << "above the water nothing comes out";
-  EXPECT_GT(chamber.open_length, 0.6);
-  EXPECT_NEAR(chamber.dry_length + chamber.open_length, 2 * (1 + 1.2), 1e-12);
+  EXPECT_GT(chamber.dry_length.si(), 1) << "above the water nothing comes out";
+  EXPECT_GT(chamber.open_length.si(), 0.6);
+  EXPECT_NEAR(chamber.dry_length.si() + chamber.open_length.si(), 2 * (1 + 1.2), 1e-12);
   for (std::size_t b = 0; b < flow.mesh.borders.size(); ++b) {
     EXPECT_LT(flow.mesh.borders[b].surface, flow.surfaces.size());
   }
@@ -274,7 +273,7 @@ TEST(FlowTest, WaterComesOutOfDrainedSurfacesAndNeverGoesIn) {
   const auto dry = build(input, {.sides = {{west, at(0.4)}}, .transmissivity = {1e-6}});
   const Flow none = solved(dry.network, 0.01);
   EXPECT_DOUBLE_EQ(none.drained.value, 0);
-  EXPECT_DOUBLE_EQ(none.surfaces[dry.of_excavation(0)].open_length, 0);
+  EXPECT_DOUBLE_EQ(none.surfaces[dry.of_excavation(0)].open_length.si(), 0);
   EXPECT_NEAR(none.imbalance, 0, 1e-9);
 }
 
@@ -303,7 +302,7 @@ TEST(FlowTest, WhatIsNoNetworkIsRefused) {
     flow::NetworkSpec spec;
     spec.mesh = {
         .points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}}, .part = {0}, .borders = {{{0, 1}, 0}}};
-    spec.transmissivity = {1e-6};
+    spec.transmissivity = {Transmissivity::from_si(1e-6)};
     spec.surfaces = {Drained{}};
     return spec;
   };
@@ -315,8 +314,9 @@ TEST(FlowTest, WhatIsNoNetworkIsRefused) {
     const auto network = flow::Network::make(std::move(spec));
     return network ? std::string{} : describe(network.error());
   };
-  EXPECT_EQ(refused([](auto& s) { s.transmissivity[0] = 0; }), "part 0 has a transmissivity that is not above 0");
-  EXPECT_NE(refused([&](auto& s) { s.transmissivity[0] = nan; }), "");
+  EXPECT_EQ(refused([](auto& s) { s.transmissivity[0] = Transmissivity{}; }),
+            "part 0 has a transmissivity that is not above 0");
+  EXPECT_NE(refused([&](auto& s) { s.transmissivity[0] = Transmissivity::from_si(nan); }), "");
   EXPECT_NE(refused([&](auto& s) { s.mesh.points[1].x = nan; }), "");
   EXPECT_NE(refused([](auto& s) { s.mesh.points[2] = {1, 0, 0}; }), "") << "a side without length";
   EXPECT_NE(refused([](auto& s) { s.mesh.triangles[0][2] = 3; }), "");

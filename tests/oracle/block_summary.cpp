@@ -7,7 +7,7 @@
 #include <utility>
 #include <variant>
 
-#include "cleave/flow/connectivity.hpp"
+#include "cleave/flow/flow.hpp"
 #include "cleave/topology/audit.hpp"
 #include "cleave/topology/cut.hpp"
 #include "integer_scene_input.hpp"

@@ -31,36 +31,36 @@ TEST(FlowScene, ALevelJointIsTheCubicLaw) {
   const auto result = run_of(with_box(level_joint(3) + aperture + "[flow]\n" + across));
   ASSERT_TRUE(result.flow && result.flow->flow);
   const double exact = cubic * 1e-9 * (9 - 7);  // as wide as long
-  EXPECT_NEAR(surface(result, "east").passed->out, exact, 1e-12 * exact);
-  EXPECT_NEAR(surface(result, "west").passed->out, -exact, 1e-12 * exact);
+  EXPECT_NEAR(surface(result, "east").passed->out.si(), exact, 1e-12 * exact);
+  EXPECT_NEAR(surface(result, "west").passed->out.si(), -exact, 1e-12 * exact);
   EXPECT_EQ(surface(result, "south").condition, "closed");
-  EXPECT_DOUBLE_EQ(*surface(result, "west").level, 9);
+  EXPECT_DOUBLE_EQ(surface(result, "west").level->si(), 9);
   ASSERT_EQ(result.flow->joints.size(), 1U);
-  EXPECT_DOUBLE_EQ(result.flow->joints[0].transmissivity.value(), cubic * 1e-9);
-  EXPECT_DOUBLE_EQ(result.flow->joints[0].wet_area, 64);
+  EXPECT_DOUBLE_EQ(result.flow->joints[0].transmissivity->si(), cubic * 1e-9);
+  EXPECT_DOUBLE_EQ(result.flow->joints[0].wet_area.si(), 64);
   EXPECT_FALSE(result.flow->joints[0].backbone) << "there is no opening";
   EXPECT_EQ(result.complex.value().complex().blocks().size(), 2U);
   EXPECT_FALSE(result.complex.value().complex().dangling().has_value());
   // Twice the aperture lets eight times as much through, half the viscosity twice as much.
   const auto wide =
       run_of(with_box(level_joint(3) + "[joints.default]\naperture = 2e-3\n[flow]\nviscosity = 0.502e-6\n" + across));
-  EXPECT_NEAR(surface(wide, "east").passed->out, 16 * exact, 1e-11 * exact);
+  EXPECT_NEAR(surface(wide, "east").passed->out.si(), 16 * exact, 1e-11 * exact);
   const auto lying = run_of(with_box(level_joint(3) + level_joint(3) + aperture + "[flow]\n" + across));
-  EXPECT_NEAR(surface(lying, "east").passed->out, 2 * exact, 1e-12 * exact) << "joints on one another add up";
+  EXPECT_NEAR(surface(lying, "east").passed->out.si(), 2 * exact, 1e-12 * exact) << "joints on one another add up";
 }
 
 TEST(FlowScene, SetsHaveTheirOwnAperturesAndLawsDrawOneAJoint) {
   const std::string two = level_joint(2, "set = \"A\"\n") + level_joint(4, "set = \"B\"\n");
   const auto own = run_of(with_box(two + aperture + "[joints.B]\naperture = 3e-3\n[flow]\n" + across));
-  EXPECT_NEAR(surface(own, "east").passed->out, 2 * cubic * (1e-9 + 27e-9), 1e-12);
+  EXPECT_NEAR(surface(own, "east").passed->out.si(), 2 * cubic * (1e-9 + 27e-9), 1e-12);
   const std::string law =
       "[joints.default]\naperture = { distribution = \"lognormal\", mean = 1e-3, std = 5e-4 }\n[flow]\n";
   const auto drawn = run_of(with_box(two + law + across));
   const auto& joints = drawn.flow->joints;
   ASSERT_EQ(joints.size(), 2U);
   EXPECT_NE(*joints[0].aperture, *joints[1].aperture);
-  EXPECT_NEAR(surface(drawn, "east").passed->out,
-              2 * cubic * (std::pow(*joints[0].aperture, 3) + std::pow(*joints[1].aperture, 3)), 1e-11);
+  EXPECT_NEAR(surface(drawn, "east").passed->out.si(),
+              2 * cubic * (std::pow(joints[0].aperture->si(), 3) + std::pow(joints[1].aperture->si(), 3)), 1e-11);
   EXPECT_NE(*run_of("seed = 2\n" + with_box(two + law + across)).flow->joints[0].aperture, *joints[0].aperture);
   // Strengths do not hang on whether apertures are drawn.
   EXPECT_EQ(drawn.joints[topology::JointId{0U}].strength, run_of(with_box(two)).joints[topology::JointId{0U}].strength);
@@ -81,7 +81,7 @@ TEST(FlowScene, SidesThatATunnelCutsAreClosedAndSaid) {
   EXPECT_EQ(surface(result, "west").condition, "standing water");
   EXPECT_EQ(surface(result, "adit").condition, "drained");
   EXPECT_EQ(notes_with(result, "an opening cuts below the water: south, north"), 1U);
-  EXPECT_NEAR(result.flow->joints[0].into_openings, exact, 1e-12 * exact);
+  EXPECT_NEAR(result.flow->joints[0].into_openings.si(), exact, 1e-12 * exact);
   EXPECT_TRUE(result.flow->joints[0].backbone);
   EXPECT_DOUBLE_EQ(result.flow->share_at_openings(), 1);
   // The same heads at its ends are refused: any amount would pass.

@@ -1,4 +1,4 @@
-#include "cleave/flow/connectivity.hpp"
+#include "cleave/flow/flow.hpp"
 
 #include <algorithm>
 #include <array>

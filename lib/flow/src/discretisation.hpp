@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "cleave/flow/network.hpp"
+#include "cleave/flow/flow.hpp"
 
 namespace cleave::flow {
 

@@ -14,7 +14,7 @@
 
 #include "cleave/core/disjoint_sets.hpp"
 #include "cleave/core/expected.hpp"
-#include "cleave/flow/solve.hpp"
+#include "cleave/flow/flow.hpp"
 #include "discretisation.hpp"
 #include "space.hpp"
 
@@ -191,10 +191,10 @@ class Level final {
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
       auto& head = flow.head.emplace_back();
       Vec3& q = flow.q.emplace_back();
-      flow.area += areas_[t];
+      flow.area += square_metres(areas_[t]);
       if (wet_[t] == 0) continue;
-      flow.wet_area += areas_[t];
-      for (std::size_t k = 0; k < 3; ++k) head[k] = high_(corners_.of[t][k], 0);
+      flow.wet_area += square_metres(areas_[t]);
+      for (std::size_t k = 0; k < 3; ++k) head[k] = metres(high_(corners_.of[t][k], 0));
       q = -transmissivity(t) * gradient(t, in_middles(low_, t, 0));
     }
     put_surfaces(flow);
@@ -203,7 +203,7 @@ class Level final {
   }
 
  private:
-  [[nodiscard]] double transmissivity(std::size_t t) const { return network_.transmissivity()[mesh_.part[t]]; }
+  [[nodiscard]] double transmissivity(std::size_t t) const { return network_.transmissivity()[mesh_.part[t]].si(); }
   [[nodiscard]] double head_at(Index surface, Vec3 p) const {
     const auto* standing = std::get_if<Standing>(&network_.surfaces()[surface]);
     return standing != nullptr ? standing->level.si() : p.z;
@@ -405,18 +405,18 @@ class Level final {
   void put_surfaces(Flow& flow) const {
     flow.surfaces.assign(network_.surfaces().size(), {});
     double sum = 0, sizes = 0;
-    flow.out_of_border.assign(mesh_.borders.size(), 0);
+    flow.out_of_border.assign(mesh_.borders.size(), FlowRate{});
     for (std::size_t b = 0; b < mesh_.borders.size(); ++b) {
       flow.triangle_of_border.push_back(sides_.triangles(side_of_border_[b]).front());
       const Border& border = mesh_.borders[b];
       if (wet_[sides_.triangles(side_of_border_[b]).front()] == 0) continue;
       SurfaceFlow& own = flow.surfaces[border.surface];
       const double length = geometry::norm(mesh_.points[border.ends[1]] - mesh_.points[border.ends[0]]);
-      (open_[b] != 0 ? own.open_length : own.dry_length) += length;
+      (open_[b] != 0 ? own.open_length : own.dry_length) += metres(length);
       if (open_[b] == 0) continue;
       const double out = out_of(side_of_border_[b]);
-      own.out += out;
-      flow.out_of_border[b] = out;
+      own.out += FlowRate::from_si(out);
+      flow.out_of_border[b] = FlowRate::from_si(out);
       sum += out;
       sizes += std::abs(out);
     }
@@ -428,7 +428,7 @@ class Level final {
         continue;
       }
       flow.surfaces[s].bounds = rate_of(std::array{static_cast<Column>(1 + group_of_[s])});
-      flow.surfaces[s].out = flow.surfaces[s].bounds->value;
+      flow.surfaces[s].out = FlowRate::from_si(flow.surfaces[s].bounds->value);
     }
   }
 

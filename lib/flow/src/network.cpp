@@ -1,4 +1,4 @@
-#include "cleave/flow/network.hpp"
+#include "cleave/flow/flow.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -48,7 +48,7 @@ Fault fault_of(const NetworkSpec& spec) {
     if (!geometry::is_finite(mesh.points[p])) return bad("point", p, "is not finite");
   }
   for (std::size_t p = 0; p < spec.transmissivity.size(); ++p) {
-    const double t = spec.transmissivity[p];
+    const double t = spec.transmissivity[p].si();
     if (!(t > 0) || !std::isfinite(t)) return bad("part", p, "has a transmissivity that is not above 0");
   }
   for (std::size_t s = 0; s < spec.surfaces.size(); ++s) {

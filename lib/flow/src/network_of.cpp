@@ -1,4 +1,4 @@
-#include "cleave/flow/network_of.hpp"
+#include "cleave/flow/flow.hpp"
 
 #include <algorithm>
 #include <set>

@@ -1,4 +1,4 @@
-#include "cleave/flow/solve.hpp"
+#include "cleave/flow/flow.hpp"
 
 #include <cmath>
 #include <utility>

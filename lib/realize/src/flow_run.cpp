@@ -92,19 +92,19 @@ class FlowRun {
       FlowSurface& row = out_.surfaces.emplace_back(FlowSurface{.name = name_of(surface), .condition = "closed"});
       row.opening = surface.role == Role::free;
       flow::Surface& condition = conditions_.emplace_back(flow::Closed{});
-      std::optional<double> level;
+      std::optional<Length> level;
       if (own != settings_.sides.end()) {
         level = own->level;
       } else if (surface.role == Role::free) {
         condition = flow::Drained{};
         row.condition = "drained";
       } else if (settings_.level && surface.tag && !cut.contains(*surface.tag)) {
-        level = settings_.level->si();
+        level = settings_.level;
       } else if (settings_.level && surface.tag) {
         closed += (closed.empty() ? "" : ", ") + row.name;
       }
       if (!level) continue;
-      condition = flow::Standing{metres(*level - complex_.origin().z)};
+      condition = flow::Standing{*level - metres(complex_.origin().z)};
       row.condition = "standing water";
       row.level = level;
     }
@@ -119,10 +119,11 @@ class FlowRun {
   std::expected<void, Problem> send_water() {
     flow::NetworkSpec spec{.mesh = flow::mesh_of(complex_, surfaces_), .transmissivity = {}, .surfaces = conditions_};
     for (const topology::JointPiece& piece : complex_.network()->pieces) {
-      double sum = 0, widest = 0;
+      Transmissivity sum;
+      Length widest;
       for (const topology::JointId joint : piece.joints) {
-        const double aperture = drawn_.joints[joint].aperture.value_or(Length{}).si();
-        sum += flow::cubic_law(aperture, settings_.viscosity, gravity);
+        const Length aperture = drawn_.joints[joint].aperture.value_or(Length{});
+        sum += transmissivity(aperture);
         widest = std::max(widest, aperture);
       }
       spec.transmissivity.push_back(sum);
@@ -139,6 +140,9 @@ class FlowRun {
     return {};
   }
 
+  [[nodiscard]] Transmissivity transmissivity(Length aperture) const {
+    return Transmissivity::from_si(flow::cubic_law(aperture.si(), settings_.viscosity.si(), gravity));
+  }
   [[nodiscard]] Problem problem(std::string what, std::string remedy) const {
     return {scene_.shown, settings_.line, "flow", std::move(what), std::move(remedy)};
   }
@@ -169,7 +173,7 @@ class FlowRun {
           "those "
           "of the last guess");
     }
-    if (f.area > 0 && !(f.wet_area > 0)) {
+    if (f.area > Area{} && !(f.wet_area > Area{})) {
       out_.notes.emplace_back("[flow]: no joint reaches standing water, so no water flows");
     }
     out_.notes.emplace_back(
@@ -185,7 +189,7 @@ class FlowRun {
       const flow::JointPart& part = out_.connectivity.parts[out_.connectivity.part_of[p]];
       for (const topology::JointId joint : network.pieces[p].joints) {
         FlowJoint& row = row_of(rows, joint);
-        row.area += network.pieces[p].area.si();
+        row.area += network.pieces[p].area;
         row.backbone = row.backbone || part.backbone;
         double& known = largest[joint];
         if (part.area.si() > known) {
@@ -205,8 +209,8 @@ class FlowRun {
       entry->second.source = info.source;
       entry->second.set = drawn_.sets[info.set].name;
       if (info.aperture) {
-        entry->second.aperture = info.aperture->si();
-        entry->second.transmissivity = flow::cubic_law(info.aperture->si(), settings_.viscosity, gravity);
+        entry->second.aperture = *info.aperture;
+        entry->second.transmissivity = transmissivity(*info.aperture);
       }
     }
     return entry->second;
@@ -218,7 +222,7 @@ class FlowRun {
       if (f.wet[t] == 0) continue;
       const auto& [a, b, c] = f.mesh.triangles[t];
       rows[out_.joint_of_part[f.mesh.part[t]]].wet_area +=
-          0.5 * norm(cross(f.mesh.points[b] - f.mesh.points[a], f.mesh.points[c] - f.mesh.points[a]));
+          square_metres(0.5 * norm(cross(f.mesh.points[b] - f.mesh.points[a], f.mesh.points[c] - f.mesh.points[a])));
     }
     for (std::size_t b = 0; b < f.mesh.borders.size(); ++b) {
       if (!std::holds_alternative<flow::Drained>(conditions_[f.mesh.borders[b].surface])) continue;

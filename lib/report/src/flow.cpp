@@ -7,6 +7,7 @@
 #include "cleave/exchange/csv.hpp"
 #include "cleave/exchange/text.hpp"
 #include "cleave/exchange/vtu_writer.hpp"
+#include "cleave/flow/flow.hpp"
 #include "html_parts.hpp"
 #include "html_table.hpp"
 #include "tables.hpp"
@@ -58,7 +59,7 @@ std::string flow_vtu(const scene::RunResult& result) {
   vtu.array("backbone", backbone);
   if (found.flow) {
     std::vector<double> aperture;
-    for (const std::uint32_t part : mesh.part) aperture.push_back(found.aperture_of_part[part]);
+    for (const std::uint32_t part : mesh.part) aperture.push_back(found.aperture_of_part[part].si());
     vtu.array("wet", found.flow->wet);
     vtu.array("aperture_m", aperture);
     vtu.vectors("rate_m2_s", found.flow->q);
@@ -69,8 +70,8 @@ std::string flow_vtu(const scene::RunResult& result) {
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       for (std::size_t k = 0; k < 3; ++k) {
         const bool wet = found.flow->wet[t] != 0;
-        const double above = found.flow->head[t][k] - mesh.points[mesh.triangles[t][k]].z;
-        head.push_back(wet ? found.origin.z + found.flow->head[t][k] : std::nan(""));
+        const double above = found.flow->head[t][k].si() - mesh.points[mesh.triangles[t][k]].z;
+        head.push_back(wet ? found.origin.z + found.flow->head[t][k].si() : std::nan(""));
         pressure.push_back(wet ? above : std::nan(""));
       }
     }
@@ -117,7 +118,7 @@ std::string flow_section(const scene::FlowResult& flow) {
   out += std::move(surfaces).html();
   std::vector<const scene::FlowJoint*> rows;
   for (const scene::FlowJoint& joint : flow.joints) {
-    if (joint.into_openings > 0) rows.push_back(&joint);
+    if (joint.into_openings > FlowRate{}) rows.push_back(&joint);
   }
   std::ranges::stable_sort(rows, std::ranges::greater{}, &scene::FlowJoint::into_openings);
   if (!rows.empty()) {

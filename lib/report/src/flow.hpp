@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "cleave/realize/flow_result.hpp"
 #include "cleave/realize/run_result.hpp"
 
 namespace cleave::report {

@@ -38,7 +38,7 @@ void parse_side(const TableReader& table, const std::optional<geometry::Solid>& 
     table.error("face", fmt::format("\"{}\" is named twice", *name), "name it once");
     return;
   }
-  settings.sides.push_back({*tag, closed ? std::nullopt : level});
+  settings.sides.push_back({*tag, closed || !level ? std::nullopt : std::optional{metres(*level)}});
 }
 
 }  // namespace
@@ -67,7 +67,7 @@ std::optional<FlowSettings> parse_flow(const TableReader& root, const Context& c
   settings.line = table.line();
   if (const auto level = table.number("level")) settings.level = metres(*level);
   for (const TableReader& side : table.each("side")) parse_side(side, domain, settings);
-  settings.viscosity = table.value("viscosity");
+  settings.viscosity = Transmissivity::from_si(table.value("viscosity"));
   settings.tolerance = table.value("tolerance");
   settings.most_triangles = static_cast<std::size_t>(table.count("max_triangles"));
   if (!settings.flows()) return settings;

@@ -8,8 +8,7 @@
 
 #include "cleave/core/fields.hpp"
 #include "cleave/core/quantity.hpp"
-#include "cleave/flow/connectivity.hpp"
-#include "cleave/flow/solve.hpp"
+#include "cleave/flow/flow.hpp"
 
 /// What [flow] came to.
 namespace cleave::scene {
@@ -19,7 +18,7 @@ struct FlowSurface {
   std::string name;                              ///< of the face of the domain, or of the excavation
   std::string condition;                         ///< "standing water", "drained", "closed"
   bool opening = false;                          ///< an excavation or a free side of the domain
-  std::optional<double> level = {};              ///< m, of standing water
+  std::optional<Length> level = {};              ///< z, of standing water
   std::optional<flow::SurfaceFlow> passed = {};  ///< where water flows at all
 };
 template <class V>
@@ -29,7 +28,7 @@ void fields(V& v, const FlowSurface& x) {
   const flow::Rate bounds = passed.bounds.value_or(flow::Rate{});
   v("name", x.name);
   v("condition", x.condition, "standing water, drained (open to the air) or closed");
-  v("level_m", when(x.level.has_value(), x.level.value_or(0)), "z to which water stands");
+  v("level_m", when(x.level.has_value(), x.level.value_or(Length{})), "z to which water stands");
   v("out_m3_s", when(x.passed.has_value(), passed.out), "out of the rock; below 0: into it");
   v("low_m3_s", when(passed.bounds.has_value(), bounds.low),
     "bound of the exact rate of this network; absent where the surface touches another that water passes");
@@ -44,12 +43,12 @@ struct FlowJoint {
   topology::JointId joint = topology::JointId{0U};
   std::string_view source;
   std::string_view set;
-  std::optional<double> aperture;        ///< m
-  std::optional<double> transmissivity;  ///< m2/s
-  double area = 0, wet_area = 0;         ///< m2 in the rock
-  std::uint32_t cluster = 0;             ///< of its largest part
+  std::optional<Length> aperture;
+  std::optional<Transmissivity> transmissivity;
+  Area area, wet_area;        ///< in the rock
+  std::uint32_t cluster = 0;  ///< of its largest part
   bool backbone = false;
-  double into_openings = 0;  ///< m3/s
+  FlowRate into_openings;
 };
 template <class V>
 void fields(V& v, const FlowJoint& x) {
@@ -83,7 +82,7 @@ struct FlowResult {
   std::optional<flow::Flow> flow = {};  ///< where water stands somewhere; points and heads relative to `origin`
   geometry::Vec3 origin = {};
   std::vector<topology::JointId> joint_of_part = {};  ///< of the parts of the mesh: the first joint there
-  std::vector<double> aperture_of_part = {};          ///< m
+  std::vector<Length> aperture_of_part = {};
   std::vector<std::string> notes = {};
 
   /// Shares of the joints' area.
@@ -115,7 +114,7 @@ void fields(V& v, const FlowResult& x) {
   v("inflow_m3_s", when(x.flow.has_value(), f.drained.value), "out of all drained surfaces");
   v("inflow_low_m3_s", when(x.flow.has_value(), f.drained.low), "the exact rate of this network is not below");
   v("inflow_high_m3_s", when(x.flow.has_value(), f.drained.high), "nor above");
-  v("wet_share", when(x.flow.has_value(), f.area > 0 ? f.wet_area / f.area : 0),
+  v("wet_share", when(x.flow.has_value(), f.area > Area{} ? f.wet_area / f.area : 0.0),
     "of the area of joints: connected with standing water");
   v("triangles", when(x.flow.has_value(), f.mesh.triangles.size()));
   v("rounds", when(x.flow.has_value(), f.rounds.size()), "meshes");

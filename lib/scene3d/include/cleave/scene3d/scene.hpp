@@ -260,13 +260,13 @@ struct FieldStressSettings {
 /// A face of the domain and what water finds there.
 struct FlowSide {
   std::uint32_t tag;
-  std::optional<double> level;  ///< m, z; empty: closed
+  std::optional<Length> level;  ///< z; empty: closed
 };
 /// [flow]: which joints hang together, and steady flow of water in them.
 struct FlowSettings {
   std::optional<Length> level = {};  ///< z, on fixed sides that are not named
   std::vector<FlowSide> sides = {};
-  double viscosity = 1.004e-6;  ///< m2/s
+  Transmissivity viscosity = Transmissivity::from_si(1.004e-6);  ///< kinematic
   double tolerance = 0.02;
   std::size_t most_triangles = 1'000'000;
   std::uint32_t line = 1;  ///< in the scene file
