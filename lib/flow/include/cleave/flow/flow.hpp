@@ -86,11 +86,11 @@ struct Rate {
 
 /// What passes a surface.
 struct SurfaceFlow {
-  FlowRate out;  ///< out of the rock; below 0: into it
+  FlowRate out = {};  ///< out of the rock; below 0: into it
   /// Bounds of it; none where the surface touches another one that water passes: what is near the line between the two
   /// cannot be told apart within bounds, only what passes all of them.
   std::optional<Rate> bounds = {};
-  Length open_length, dry_length;  ///< of borders of wet joints: where water passes, and where none does
+  Length open_length = {}, dry_length = {};  ///< of borders of wet joints: where water passes, and where none does
 };
 
 struct FlowOptions {
@@ -140,7 +140,7 @@ struct Flow {
   std::vector<FlowRate> out_of_border = {};            ///< of each of the mesh's borders
   std::vector<std::uint32_t> triangle_of_border = {};  ///< one that lies there
   Rate drained = {};                                   ///< out of all drained surfaces
-  Area wet_area, area;                                 ///< of joints
+  Area wet_area = {}, area = {};                       ///< of joints
   double residual = 0;                                 ///< of the equations, relative, the largest
   double imbalance = 0;                                ///< of all rates, of the sum of their sizes
   std::vector<FlowRound> rounds = {};

@@ -45,10 +45,10 @@ struct FlowJoint {
   std::string_view set;
   std::optional<Length> aperture;
   std::optional<Transmissivity> transmissivity;
-  Area area, wet_area;        ///< in the rock
-  std::uint32_t cluster = 0;  ///< of its largest part
+  Area area = {}, wet_area = {};  ///< in the rock
+  std::uint32_t cluster = 0;      ///< of its largest part
   bool backbone = false;
-  FlowRate into_openings;
+  FlowRate into_openings = {};
 };
 template <class V>
 void fields(V& v, const FlowJoint& x) {
