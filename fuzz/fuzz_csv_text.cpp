@@ -6,7 +6,6 @@
 
 #include "cleave/core/assert.hpp"
 #include "cleave/io/joint_csv.hpp"
-#include "cleave/io/trace_map.hpp"
 #include "fuzz_target.hpp"
 
 namespace {

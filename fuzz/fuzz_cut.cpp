@@ -22,6 +22,7 @@ CLEAVE_FUZZ_TARGET(bytes) {
       [&] { return scene_to_toml(scene, "found by fuzz_cut"); });  // before the cut may abort
   std::string problem = broken_invariance(scene);
   if (problem.empty()) problem = broken_window(scene);
+  if (problem.empty()) problem = broken_network(scene);
   if (problem.empty() && scene.joints.size() <= 5) problem = difference_from_oracle(scene);
   if (problem.empty()) return;
   const std::string text = scene_to_toml(scene, problem);

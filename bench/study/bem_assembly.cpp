@@ -15,7 +15,7 @@
 #include <optional>
 #include <vector>
 
-#include "cleave/bem/outline.hpp"
+#include "cleave/bem/problem.hpp"
 #include "cleave/core/parallel.hpp"
 #include "element_rows.hpp"
 #include "study.hpp"

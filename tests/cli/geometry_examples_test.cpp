@@ -49,6 +49,25 @@ TEST_F(GeometryExamples, KindsOfJoints) {
   EXPECT_TRUE(exists("joint_kinds/dangling.vtu"));
 }
 
+TEST_F(GeometryExamples, WaterComesIntoATunnelByItsFaultBeforeAll) {
+  const auto flow = result_of("tunnel_inflow")["flow"];
+  EXPECT_EQ(flow["status"], "converged");
+  const double inflow = flow["inflow_m3_s"], low = flow["inflow_low_m3_s"], high = flow["inflow_high_m3_s"];
+  EXPECT_LE(low, inflow);
+  EXPECT_GE(high, inflow);
+  EXPECT_LE(0.5 * (high - low), 0.02 * inflow);
+  EXPECT_GT(flow["backbone_share"], 0.9);
+  std::istringstream rows{read("tunnel_inflow/flow_joints.csv")};
+  std::string header, fault;
+  std::getline(rows, header);
+  std::getline(rows, fault);
+  EXPECT_TRUE(header.ends_with(",backbone,into_openings_m3_s"));
+  EXPECT_TRUE(fault.contains(",fault,3e-04,"));
+  EXPECT_GT(std::stod(fault.substr(fault.rfind(',') + 1)), 0.6 * inflow);
+  EXPECT_TRUE(exists("tunnel_inflow/flow.vtu"));
+  EXPECT_TRUE(read("tunnel_inflow/report.html").contains("Water in the joints"));
+}
+
 TEST_F(GeometryExamples, DomainsFromTrianglesAndMeshes) {
   const auto knoll = result_of("knoll");
   EXPECT_EQ(knoll["blocks"]["count"], 4);

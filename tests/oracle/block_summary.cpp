@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include "cleave/flow/flow.hpp"
 #include "cleave/topology/audit.hpp"
 #include "cleave/topology/cut.hpp"
 #include "integer_scene_input.hpp"
@@ -156,6 +157,36 @@ bool same(const SeenBlock& a, const SeenBlock& b) {
 }
 
 }  // namespace
+
+std::string broken_network(const IntegerScene& scene) {
+  auto input = to_cut_input(scene);
+  input.keep_network = input.keep_dangling = true;
+  const auto cut = topology::cut(input);
+  if (!cut) return {};
+  const topology::JointNetwork& network = *cut->network();
+  double faces = cut->dangling()->area.si(), pieces = 0, triangles = 0, parts = 0, clusters = 0;
+  for (const topology::Face& face : cut->faces()) {
+    if (face.role == topology::Role::joint) faces += 0.5 * face.area.si();
+  }
+  for (const topology::JointPiece& piece : network.pieces) {
+    pieces += piece.area.si();
+    const auto n = cut->planes()[piece.plane].unit_normal();
+    for (std::uint32_t t = piece.first_triangle; t < piece.first_triangle + piece.triangle_count; ++t) {
+      const auto& [a, b, c] = network.triangles[t];
+      triangles += 0.5 * geometry::dot(geometry::cross(cut->vertices()[b] - cut->vertices()[a],
+                                                       cut->vertices()[c] - cut->vertices()[a]),
+                                       geometry::Vec3{n[0], n[1], n[2]});
+    }
+  }
+  const flow::Connectivity found = flow::connectivity(*cut, flow::surfaces_of(network));
+  for (const flow::JointPart& part : found.parts) parts += part.area.si();
+  for (const flow::Cluster& cluster : found.clusters) clusters += cluster.area.si();
+  std::string problem;
+  for (const double other : {pieces, triangles, parts, clusters}) {
+    if (std::abs(other - faces) > 1e-9 * (1 + faces)) problem += "areas of the network and of the blocks differ\n";
+  }
+  return problem;
+}
 
 std::string broken_window(const IntegerScene& scene) {
   const auto whole = topology::cut(to_cut_input(scene));

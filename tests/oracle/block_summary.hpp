@@ -39,6 +39,9 @@ struct FastCut {
 /// Cuts only what lies in some windows; empty when the blocks found whole there are those of the whole scene, and none
 /// is missing.
 [[nodiscard]] std::string broken_window(const IntegerScene& scene);
+/// The joints cut along each other, in triangles, have the areas of the faces of blocks and of what dangles; what hangs
+/// together has them, too.
+[[nodiscard]] std::string broken_network(const IntegerScene& scene);
 
 /// Drops joints and excavations one by one as long as `fails` stays true.
 template <class Fails>

@@ -57,6 +57,10 @@ TEST(CompareTest, WindowsShowTheBlocksOfTheWholeScene) {
   expect_none(broken_window, 6, trials(500, 40), {.max_joints = 8, .max_excavations = 2});
 }
 
+TEST(CompareTest, NetworksHaveTheAreasOfTheBlocks) {
+  expect_none(broken_network, 7, trials(500, 60), {.max_joints = 12, .max_excavations = 2});
+}
+
 // The comparison itself must see a fault: a wrong count or volume on either side.
 TEST(CompareTest, SummariesThatDifferDoNotAgree) {
   const BlockSummary one{{{8, 12, 6, 6, 1, 0}, {1.0, 2.0}}};

@@ -16,6 +16,7 @@ import cleave
 import cases_blocks
 import cases_contact
 import cases_elastic
+import cases_flow
 import cases_key_blocks
 from case import ROOT
 
@@ -91,7 +92,7 @@ def main():
     arguments = parser.parse_args()
     (arguments.out / "cases").mkdir(parents=True, exist_ok=True)
     all_rows, chapters, names = [], [], set()
-    for module in (cases_blocks, cases_key_blocks, cases_elastic, cases_contact):
+    for module in (cases_blocks, cases_key_blocks, cases_flow, cases_elastic, cases_contact):
         start, chapter = time.monotonic(), []
         for case in module.cases():
             if not (case.section if arguments.filter == "chapters" else arguments.filter in case.name):

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "cleave/bem/outline.hpp"
+#include "cleave/bem/problem.hpp"
 
 /// Kelvin's solution: displacement, traction and their derivatives for a unit force in the infinite plane (plane
 /// strain; Thomson 1848; Brebbia, Telles and Wrobel 1984, chapter 5). d = x - y, from the source y to the field point

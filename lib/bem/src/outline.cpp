@@ -1,4 +1,4 @@
-#include "cleave/bem/outline.hpp"
+#include "cleave/bem/problem.hpp"
 
 #include <fmt/format.h>
 

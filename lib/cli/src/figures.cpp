@@ -147,6 +147,13 @@ std::string motion_line(const scene::MotionResult& motion) {
                              : say("  {left} blocks left the domain, at most {fastest_left_m_s:.3g} m/s\n", motion));
 }
 
+std::string flow_line(const scene::FlowResult& flow) {
+  return say("water        joints hang together in {clusters} clusters", flow) +
+         (flow.flow
+              ? say(", inflow {inflow_m3_s:.4g} m3/s, between {inflow_low_m3_s:.4g} and {inflow_high_m3_s:.4g}\n", flow)
+              : std::string{"\n"});
+}
+
 }  // namespace
 
 /// Volumes whole where digits after the point say nothing: 64000000, not 6.4e+07.
@@ -182,6 +189,7 @@ std::string figures_of(const scene::RunResult& result) {
   if (figures.governing_case) text += fmt::format("  governs: {}\n", *figures.governing_case);
   if (figures.support) text += support_lines(*figures.support, result.designs, figures.support_cases);
   if (result.motion) text += motion_line(*result.motion);
+  if (result.flow) text += flow_line(*result.flow);
   return text + cost_line(result.cost);
 }
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "cleave/bem/outline.hpp"
+#include "cleave/bem/problem.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "world_impl.hpp"
 

@@ -9,7 +9,7 @@
 #include "cleave/core/sha256.hpp"
 #include "cleave/field_data/survey_file.hpp"
 #include "cleave/geometry/orientation.hpp"
-#include "cleave/io/trace_map.hpp"
+#include "cleave/io/joint_csv.hpp"
 #include "cleave/scene/common_keys.hpp"
 #include "cleave/scene/file_input.hpp"
 #include "parse_orientations.hpp"

@@ -1,4 +1,4 @@
-#include "cleave/io/trace_map.hpp"
+#include "cleave/io/joint_csv.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -38,13 +38,17 @@ std::string why_stability(const Scene& scene) {
   return why;
 }
 
-std::string why_write(const OutputSettings& output, bool stability, bool motion) {
+std::string why_write(const Scene& scene) {
+  const OutputSettings& output = scene.output;
+  const bool stability = scene.stability.has_value(), motion = scene.motion.has_value();
   std::string files = "summary.json, log.txt";
   if (output.vtu) files += ", blocks.vtu";
   if (output.csv && stability) files += ", key_blocks.csv";
   if (motion && output.csv) files += ", motion.csv";
   if (motion && output.vtu) files += ", motion_NNNN.vtu, motion.pvd";
   if (motion) files += ", motion.state";
+  if (scene.flow && output.csv) files += ", flow_joints.csv";
+  if (scene.flow && output.vtu) files += ", flow.vtu";
   for (const SectionSpec& section : output.sections) {
     files += section.name.empty() ? ", section.toml" : ", section_" + section.name + ".toml";
   }
@@ -72,7 +76,7 @@ double draws_of(const Scene& scene) {
 
 /// Expected seconds of CPU of a step of one realization; 0 for those whose cost the joints do not tell.
 double seconds_of(Step step, const Scene& scene, const CutEstimate& cut) {
-  constexpr double section_by_boundary_elements = 0.4, a_bolt = 4e-4;
+  constexpr double section_by_boundary_elements = 0.4, a_bolt = 4e-4, a_joint_with_water = 2e-3;
   switch (step) {
     case Step::draw: return 1.5e-7 * draws_of(scene) + 1e-6 * cut.joints;
     case Step::cut: return cut.cut_s();
@@ -82,6 +86,7 @@ double seconds_of(Step step, const Scene& scene, const CutEstimate& cut) {
     case Step::report: return 0.002 + 1.5e-6 * cut.blocks;
     case Step::support: return a_bolt * static_cast<double>(scene.support->plan.bolts.size());
     case Step::elastic: return section_by_boundary_elements;
+    case Step::flow: return a_joint_with_water * cut.joints;
     case Step::read:
     case Step::monte_carlo:
     case Step::contact: return 0;
@@ -165,6 +170,12 @@ Decision decide_motion(const Scene& scene) {
                             scene.motion->duration.si(), scene.motion->ground ? "; the ground moves" : "")};
 }
 
+Decision decide_flow(const Scene& scene) {
+  if (!scene.flow) return {false, "no [flow]"};
+  return {true, scene.flow->flows() ? "which joints hang together, and steady flow in them"
+                                    : "which joints hang together; no level, so no flow"};
+}
+
 Decision decide(const Scene& scene, Step step) {
   const bool stability = scene.stability.has_value();
   const std::size_t sets = scene.joint_sets.size();
@@ -183,9 +194,12 @@ Decision decide(const Scene& scene, Step step) {
     case Step::contact:
       if (!scene.motion || !scene.monte_carlo) return decide_motion(scene);
       return {false, "not in ensembles; cleave replay shows one realization"};
+    case Step::flow:
+      if (!scene.flow || !scene.monte_carlo) return decide_flow(scene);
+      return {false, "not in ensembles; cleave replay shows one realization"};
     case Step::write:
-      return {true, scene.monte_carlo ? "summary.json, log.txt, realizations.csv, copies of the scene"
-                                      : why_write(scene.output, stability, scene.motion.has_value())};
+      return {true,
+              scene.monte_carlo ? "summary.json, log.txt, realizations.csv, copies of the scene" : why_write(scene)};
     case Step::report: return {scene.output.report, scene.output.report ? "report.html" : "output.report = false"};
   }
   std::unreachable();
@@ -196,6 +210,7 @@ Decision decide(const Scene& scene, Step step) {
 Plan make_plan(const Scene& scene) {
   Plan plan;
   for (const Step step : all_steps) {
+    if (step == Step::flow && !scene.flow) continue;
     auto [run, why] = decide(scene, step);
     plan.steps.push_back({.step = step, .run = run, .why = std::move(why)});
   }
@@ -206,8 +221,8 @@ Plan make_plan(const Scene& scene) {
 Plan plan_of_realization(const Scene& scene) {
   Plan plan = make_plan(scene);
   for (PlannedStep& planned : plan.steps) {
-    if (planned.step != Step::contact) continue;
-    auto [run, why] = decide_motion(scene);
+    if (planned.step != Step::contact && planned.step != Step::flow) continue;
+    auto [run, why] = planned.step == Step::contact ? decide_motion(scene) : decide_flow(scene);
     planned.run = run;
     planned.why = std::move(why);
   }

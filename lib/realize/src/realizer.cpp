@@ -13,6 +13,7 @@
 #include "cut_estimate.hpp"
 #include "cut_problem.hpp"
 #include "field_stress.hpp"
+#include "flow_run.hpp"
 #include "group_notes.hpp"
 #include "judge.hpp"
 #include "motion_run.hpp"
@@ -79,6 +80,9 @@ Realizer::Done Realizer::step(Step which) {
     case Step::contact:
       if (!made_.analysis || !scene_->motion || detail_ != Detail::shown) return {};
       return booked(which, [&] { return move(); });
+    case Step::flow:
+      if (!made_.complex || detail_ != Detail::shown) return {};
+      return booked(which, [&] { return send_water(); });
     case Step::read:
     case Step::monte_carlo:
     case Step::write:
@@ -104,6 +108,7 @@ Realizer::Done Realizer::fits_memory() const {
 
 Realizer::Done Realizer::cut() {
   CLEAVE_CHECK(fits_memory());
+  made_.input.keep_network = scene_->flow.has_value() && detail_ == Detail::shown;
   auto cut = [&]() -> std::expected<topology::BlockComplex, topology::CutError> {
     if (!scene_->sequence) return topology::cut(made_.input, {.threads = options_.threads});
     CLEAVE_TRY(in_stages_, topology::SequentialCut::make(made_.input, {.threads = options_.threads}));
@@ -362,6 +367,13 @@ Realizer::Done Realizer::move() {
   auto moved = run_motion(*scene_, made_, made_.complex->complex(), options_.motion);
   if (!moved) return std::unexpected(std::vector{std::move(moved).error()});
   made_.motion = *std::move(moved);
+  return {};
+}
+
+Realizer::Done Realizer::send_water() {
+  auto flow = run_flow(*scene_, made_, made_.complex->complex());
+  if (!flow) return std::unexpected(std::vector{std::move(flow).error()});
+  made_.flow = *std::move(flow);
   return {};
 }
 

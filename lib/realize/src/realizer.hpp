@@ -62,6 +62,7 @@ class Realizer final {
                                                                            std::string_view where);
   [[nodiscard]] Done clamp();
   [[nodiscard]] Done move();
+  [[nodiscard]] Done send_water();
   [[nodiscard]] stability::Settings settings(const topology::BlockComplex& complex) const;
   /// Nothing is asked of ensembles that is only flagged.
   [[nodiscard]] stability::Settings of_detail(stability::Settings settings) const;

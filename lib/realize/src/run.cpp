@@ -114,6 +114,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   result.notes = notes_of(scene, result);
   std::ranges::copy(group_notes, std::back_inserter(result.notes));
   if (result.motion) std::ranges::copy(result.motion->notes, std::back_inserter(result.notes));
+  if (result.flow) std::ranges::copy(result.flow->notes, std::back_inserter(result.notes));
   if (result.complex) add_excavation_notes(result.excavations, result.notes);
   std::ranges::move(notes_on_lines(scene), std::back_inserter(result.notes));
   result.files = scene.files;

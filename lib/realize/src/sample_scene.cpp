@@ -50,6 +50,18 @@ DrawnStrength draw_strength(const Scene& scene, std::uint64_t realization, SetId
                         own.cohesion ? std::nullopt : properties.roughness);  // a straight law of its own
 }
 
+/// m, one value a joint.
+std::optional<Length> draw_aperture(const Scene& scene, std::uint64_t realization, SetId set, std::size_t stream,
+                                    std::uint32_t index) {
+  const auto& law = scene.sets[set].properties.aperture;
+  if (!law) return std::nullopt;
+  const StreamKey key{.seed = scene.seed,
+                      .realization = realization,
+                      .purpose = stream_purpose(stream, Draw::aperture),
+                      .index = index};
+  return metres(law->quantile(Rng{key}.uniform()));
+}
+
 Problem no_strength(const Scene& scene, SetId set, std::uint32_t line, const stability::StrengthError& why) {
   return {scene.shown, line, "joints." + scene.sets[set].name, describe(why), ""};
 }
@@ -89,8 +101,10 @@ void add_measured(const Scene& scene, std::uint64_t realization, SampledScene& d
                             drawn.input.joints.emplace_back(plane);
                           }},
                joint.geometry);
-    drawn.joints.push_back(describe_joint(joint.set, JointOrigin::measured,
-                                          fmt::format("{}:{}", joint.file, joint.line), *strength, normal));
+    JointInfo info = describe_joint(joint.set, JointOrigin::measured, fmt::format("{}:{}", joint.file, joint.line),
+                                    *strength, normal);
+    info.aperture = draw_aperture(scene, realization, joint.set, measured_streams + joint.set.index(), index);
+    drawn.joints.push_back(std::move(info));
     ++drawn.sets[joint.set].joints;
   }
 }
@@ -142,8 +156,10 @@ void add_random(const Scene& scene, std::uint64_t realization, std::size_t numbe
     const geometry::Vec3 normal = joint.normal;
     const std::uint32_t index = joint.index;
     drawn.input.joints.push_back(dfn::joint_of(std::move(joint)));
-    drawn.joints.push_back(
-        describe_joint(set.set, JointOrigin::drawn, fmt::format("{} #{}", named.name, index + 1), *strength, normal));
+    JointInfo info =
+        describe_joint(set.set, JointOrigin::drawn, fmt::format("{} #{}", named.name, index + 1), *strength, normal);
+    info.aperture = draw_aperture(scene, realization, set.set, number, index);
+    drawn.joints.push_back(std::move(info));
     ++drawn.sets[set.set].joints;
   }
 }

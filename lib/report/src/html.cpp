@@ -14,6 +14,7 @@
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/realize/block_sizes.hpp"
 #include "drawings.hpp"
+#include "flow.hpp"
 #include "html_key_blocks.hpp"
 #include "html_parts.hpp"
 #include "html_stability.hpp"
@@ -357,6 +358,7 @@ std::string report_html(const Page& page) {
   out += unrolled_section(page);
   out += key_groups_section(page.result, page.complex);
   if (page.result.motion) out += motion_section(*page.result.motion);
+  if (page.result.flow) out += flow_section(*page.result.flow);
   out += support_section(page);
   out += maximum_section(page);
   if (r.sequence) out += stages_section(*r.sequence);

@@ -11,6 +11,7 @@
 #include "cleave/exchange/vtu_writer.hpp"
 #include "cleave/report/key_blocks.hpp"
 #include "cleave/report/summary.hpp"
+#include "flow.hpp"
 #include "html.hpp"
 #include "key_groups.hpp"
 #include "motion.hpp"
@@ -66,6 +67,12 @@ std::expected<void, WriteError> write_dangling(const scene::RunResult& result, c
   if (complex == nullptr || !complex->dangling()) return {};
   if (result.output.vtu) CLEAVE_CHECK(write_file(folder / "dangling.vtu", dangling_vtu(*complex, result.title)));
   return write_file(folder / "dangling.obj", dangling_obj(*complex, result.title));
+}
+
+std::expected<void, WriteError> write_flow(const scene::RunResult& result, const fs::path& folder) {
+  if (!result.flow || complex_of(result) == nullptr) return {};
+  if (result.output.csv) CLEAVE_CHECK(write_file(folder / "flow_joints.csv", flow_joints_csv(*result.flow)));
+  return result.output.vtu ? write_file(folder / "flow.vtu", flow_vtu(result)) : std::expected<void, WriteError>{};
 }
 
 std::expected<std::vector<std::string>, WriteError> write_exports(const scene::RunResult& result,
@@ -129,6 +136,7 @@ std::expected<void, WriteError> write_all(const scene::RunResult& result, const 
   CLEAVE_CHECK(write_blocks_vtu(result, folder));
   CLEAVE_CHECK(write_dangling(result, folder));
   CLEAVE_CHECK(write_motion(result, folder));
+  CLEAVE_CHECK(write_flow(result, folder));
   CLEAVE_CHECK(write_exports(result, folder));
   CLEAVE_CHECK(write_sections(result, folder));
   CLEAVE_CHECK(write_key_blocks_csv(result, folder));

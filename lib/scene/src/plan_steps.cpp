@@ -59,13 +59,16 @@ Plan plan_of_bodies(Step work, const std::string& why, const std::string& files,
       case Step::monte_carlo: return {step, false, "no [monte_carlo]: one run"};
       case Step::elastic: return {step, false, "no [elastic]: the bodies are in contact"};
       case Step::contact: return {step, false, "no contacts between bodies"};
+      case Step::flow: return {step, false, "no joints"};
       case Step::write: return {step, true, "summary.json, log.txt" + files};
       case Step::report: return {step, report, report ? "report.html" : "output.report = false"};
     }
     std::unreachable();
   };
   Plan plan;
-  for (const Step step : all_steps) plan.steps.push_back(planned(step));
+  for (const Step step : all_steps) {
+    if (step != Step::flow) plan.steps.push_back(planned(step));
+  }
   plan.estimate.blocks_low = plan.estimate.blocks_high = 0;
   return plan;
 }

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cleave/bem/outline.hpp"
+#include "cleave/bem/problem.hpp"
 #include "cleave/core/sha256.hpp"
 #include "cleave/scene/common_keys.hpp"
 #include "cleave/scene/table_reader.hpp"

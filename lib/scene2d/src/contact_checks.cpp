@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "cleave/bem/outline.hpp"
+#include "cleave/bem/problem.hpp"
 #include "contact_parts.hpp"
 
 namespace cleave::scene {

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "body_keys.hpp"
-#include "cleave/bem/outline.hpp"
+#include "cleave/bem/problem.hpp"
 
 namespace cleave::scene {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "cleave/bem/outline.hpp"
+#include "cleave/bem/problem.hpp"
 #include "cleave/scene/table_reader.hpp"
 
 namespace cleave::scene {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "cleave/bem/outline.hpp"
+#include "cleave/bem/problem.hpp"
 #include "cleave/dbem/body.hpp"
 #include "cleave/dbem/world.hpp"
 #include "cleave/scene/table_reader.hpp"

@@ -80,6 +80,10 @@ struct StatedLoads {
 [[nodiscard]] std::optional<MotionSettings> parse_motion(const TableReader& root,
                                                          const std::optional<StabilitySettings>& stability,
                                                          const std::optional<SequenceSettings>& sequence);
+/// [flow]; after the sets that have joints.
+[[nodiscard]] std::optional<FlowSettings> parse_flow(const TableReader& root, const Context& context,
+                                                     const std::set<SetId>& used,
+                                                     const std::optional<geometry::Solid>& domain);
 [[nodiscard]] std::vector<ScanLine> parse_lines(const Context& context, const TableReader& root);
 [[nodiscard]] MicroBlocks parse_micro_blocks(const TableReader& root);
 

@@ -182,6 +182,7 @@ const KeyTable& scene_keys() {
            {"field_stress", key::table(&field_stress_keys), "", "clamping by the stress around a tunnel"},
            {"support", key::table(&support_keys), "", "bolts and shotcrete"},
            {"sequence", key::table(&sequence_keys), "", "excavation in stages"},
+           {"flow", key::table(&flow_keys), "", "which joints hang together, and water in them"},
            {"motion", key::table(&motion_keys), "", "blocks in motion"},
            {"micro_blocks", key::table(&micro_blocks_keys), "", "blocks thinner or smaller than a limit"},
            {"monte_carlo", key::table(&monte_carlo_keys), "", "many realizations instead of one run"},
@@ -194,6 +195,7 @@ const KeyTable& scene_keys() {
                 {Step::monte_carlo, {"monte_carlo"}},
                 {Step::elastic, {"field_stress"}},
                 {Step::contact, {"motion"}},
+                {Step::flow, {"flow", "joints"}},
                 {Step::write, {"output"}},
                 {Step::report, {"project", "output"}}}};
   return keys;
@@ -269,13 +271,15 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   for (const MeasuredJoint& joint : joints) used.insert(joint.set);
   for (const RandomSet& set : joint_sets) used.insert(set.set);
   std::optional<FieldStressSettings> field_stress = parse_field_stress(root, context, used, rock, excavations);
+  std::optional<FlowSettings> flow = parse_flow(root, context, used, domain);
   OutputSettings output = parse_output(root);
   std::optional<SequenceSettings> sequence = parse_sequence(root, excavations);
   const std::optional<MotionSettings> motion = parse_motion(root, stability.settings, sequence);
   const MicroBlocks micro_blocks = parse_micro_blocks(root);
   // What is asked for of all the rock needs all the rock.
   const bool together = stability.settings && stability.settings->group_factor;
-  if (sequence || motion || together || header.keep_dangling || micro_blocks.policy == MicroBlockPolicy::exclude) {
+  if (sequence || motion || flow || together || header.keep_dangling ||
+      micro_blocks.policy == MicroBlockPolicy::exclude) {
     output.only_key_blocks = false;
   }
   std::optional<MonteCarloSettings> monte_carlo = parse_monte_carlo(root);
@@ -310,6 +314,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
                .field_stress = field_stress,
                .sequence = std::move(sequence),
                .motion = motion,
+               .flow = std::move(flow),
                .micro_blocks = micro_blocks,
                .monte_carlo = std::move(monte_carlo),
                .files = std::move(context.files)}};

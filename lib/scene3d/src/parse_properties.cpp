@@ -22,6 +22,7 @@ struct Stated {
   std::optional<FrictionLaw> friction;
   std::optional<StressLaw> cohesion, tension;
   std::optional<double> correlation, jrc, jcs, normal_stiffness, shear_stiffness;
+  std::optional<NumberLaw> aperture;
 };
 
 /// A law as it is written, whatever it is of.
@@ -34,6 +35,7 @@ constexpr NumberRule correlation_rule{-1, false, 1, false, ""};
 constexpr NumberRule roughness_rule{0, true, 20, false, ""};
 constexpr NumberRule wall_rule = NumberRule{0, true, 1e15, false, " Pa"}.usually(1e5, 1e9);
 constexpr NumberRule stiffness_rule = NumberRule{0, true, 1e18, false, " Pa/m"}.usually(1e7, 1e13);
+constexpr NumberRule aperture_rule = NumberRule{0, true, 1, false, " m"}.usually(1e-7, 2e-2);
 constexpr NumberRule young_rule = NumberRule{0, true, 1e15, false, " Pa"}.usually(1e8, 1e13);
 constexpr NumberRule poisson_rule{-1, true, 0.5, true, ""};
 
@@ -131,7 +133,8 @@ Stated parse_one(const TableReader& table) {
                 table.number("jrc"),
                 table.number("jcs"),
                 table.number("normal_stiffness"),
-                table.number("shear_stiffness")};
+                table.number("shear_stiffness"),
+                parse_number_law(table, "aperture", aperture_rule.low, aperture_rule.high)};
   if (table.has("jrc") != table.has("jcs")) {
     table.missing(table.has("jrc") ? "jcs" : "jrc", "Barton-Bandis needs both: jrc = 8, jcs = 50e6");
   }
@@ -150,6 +153,7 @@ JointProperties with(JointProperties base, const Stated& stated) {
   if (stated.friction) base.friction = *stated.friction;
   if (stated.cohesion) base.cohesion = *stated.cohesion;
   if (stated.tension) base.tension = *stated.tension;
+  if (stated.aperture) base.aperture = *stated.aperture;
   if (stated.correlation) base.friction_cohesion = *stated.correlation;
   if (stated.cohesion) base.roughness.reset();  // a straight law of its own
   if (stated.normal_stiffness && stated.shear_stiffness) {
@@ -193,6 +197,20 @@ KeyTable make_law_keys(const NumberRule& rule) {
                    {"max", key::number(limit), "", "upper limit"}}};
 }
 
+namespace {
+
+/// Lengths have a law of their own, in the same unit.
+const KeyTable& aperture_law_keys() {
+  static const KeyTable keys = [] {
+    KeyTable law = make_law_keys(aperture_rule);
+    law.name = "law of aperture in m";
+    return law;
+  }();
+  return keys;
+}
+
+}  // namespace
+
 const KeyTable& strength_keys() {
   static const KeyTable keys{
       .name = "joints",
@@ -213,7 +231,10 @@ const KeyTable& strength_keys() {
            "Pa/m, with `shear_stiffness`, of every set or of none: how the forces of `[field_stress]` change as a "
            "block "
            "comes out"},
-          {"shear_stiffness", key::number(stiffness_rule), "", "Pa/m"}}};
+          {"shear_stiffness", key::number(stiffness_rule), "", "Pa/m"},
+          {"aperture", key::either({key::number(aperture_rule), key::table(&aperture_law_keys)}), "",
+           "m, hydraulic, for `[flow]`: a number or a law, one value a joint. Transmissivity is g a^3 / (12 "
+           "viscosity)"}}};
   return keys;
 }
 

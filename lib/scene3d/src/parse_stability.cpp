@@ -9,8 +9,25 @@
 #include "cleave/scene3d/key_tables.hpp"
 #include "cleave/stability/block_theory.hpp"
 #include "context.hpp"
+#include "domain_faces.hpp"
 
 namespace cleave::scene {
+
+std::optional<std::uint32_t> face_named(const TableReader& table, std::string_view key, const std::string& name,
+                                        const geometry::Solid& domain) {
+  const std::vector<std::string_view> known{domain.tags().begin(), domain.tags().end()};
+  const auto it = std::ranges::find(known, name);
+  if (it != known.end()) return static_cast<std::uint32_t>(it - known.begin());
+  const auto guess = nearest(name, known);
+  std::string all;
+  for (const std::string_view word : known) all += (all.empty() ? "" : ", ") + std::string{word};
+  table.error(key, fmt::format("\"{}\" is no face of the domain", name.substr(0, 60)),
+              known.empty() ? "only a box or corners have faces with names: remove it"
+                            : (guess ? fmt::format("did you mean \"{}\"? ", *guess) : std::string{}) +
+                                  fmt::format("faces are: {}", all));
+  return std::nullopt;
+}
+
 namespace {
 
 using std::string_view;
@@ -19,21 +36,9 @@ std::vector<std::uint32_t> parse_free(const TableReader& table, const std::optio
   std::vector<std::uint32_t> tags;
   const auto names = table.texts("free");
   if (!names || !domain) return tags;
-  std::vector<string_view> known{domain->tags().begin(), domain->tags().end()};
   for (const std::string& name : *names) {
-    const auto it = std::ranges::find(known, name);
-    if (it == known.end()) {
-      const auto guess = nearest(name, known);
-      std::string all;
-      for (const string_view word : known) all += (all.empty() ? "" : ", ") + std::string{word};
-      table.error("free", fmt::format("\"{}\" is no face of the domain", name.substr(0, 60)),
-                  known.empty() ? "only a box or corners have faces with names: remove it"
-                                : (guess ? fmt::format("did you mean \"{}\"? ", *guess) : std::string{}) +
-                                      fmt::format("faces are: {}", all));
-      continue;
-    }
-    const auto tag = static_cast<std::uint32_t>(it - known.begin());
-    if (std::ranges::find(tags, tag) == tags.end()) tags.push_back(tag);
+    const auto tag = face_named(table, "free", name, *domain);
+    if (tag && std::ranges::find(tags, *tag) == tags.end()) tags.push_back(*tag);
   }
   return tags;
 }

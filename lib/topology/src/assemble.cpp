@@ -12,6 +12,7 @@
 #include "detail/block_maker.hpp"
 #include "detail/dangling.hpp"
 #include "detail/exact_volume.hpp"
+#include "detail/joint_network.hpp"
 #include "detail/pieces.hpp"
 
 namespace cleave::topology::detail {
@@ -383,7 +384,7 @@ BlockComplex::Packed assemble(const CutInput& input, const Prepared& prepared, c
     const auto [p, q, approx, first, count] = graph.lines[line];
     std::ranges::fill(std::span{parts.line_of_slot}.subspan(first, count), line);
   }
-  if (no_more_needed != nullptr && !prepared.keep_dangling) {
+  if (no_more_needed != nullptr && !prepared.draw_outlines) {
     let_go(no_more_needed->edges);
     let_go(no_more_needed->uses);
     let_go(no_more_needed->slots);
@@ -400,11 +401,14 @@ BlockComplex::Packed assemble(const CutInput& input, const Prepared& prepared, c
   packed.faces = std::move(made.faces);
   out.hole_starts = std::move(made.hole_starts);
   finish_report(parts, out);
-  if (prepared.keep_dangling) {
+  if (prepared.draw_outlines) {
     std::vector<Vec3> points;
     for (const Vec& p : positions) points.push_back(parts.scale * Vec3{p[0], p[1], p[2]});
-    out.dangling = find_dangling(prepared, graph, arrangement, parts.block_of, points,
-                                 [&](Index vertex) { return vertices.id(vertex); });
+    const auto vertex_id = [&](Index vertex) { return vertices.id(vertex); };
+    if (input.keep_dangling) {
+      out.dangling = find_dangling(prepared, graph, arrangement, parts.block_of, points, vertex_id);
+    }
+    if (input.keep_network) out.network = make_joint_network(parts, points, vertex_id);
   }
   FacePacker::finish(packed.faces, std::move(parts.normals));
   return packed;

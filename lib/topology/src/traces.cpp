@@ -269,7 +269,7 @@ std::vector<std::uint8_t> planes_with_outlines(const Prepared& prepared) {
     const Index first = prepared.facets_begin[p], last = prepared.facets_begin[p + std::size_t{1}];
     if (first == last) continue;  // stands for a folded polygon
     const bool joint = prepared.facets[prepared.facets_on[first]].owner == Owner::joint;
-    with_outlines[p] = last - first >= 2 || (prepared.keep_dangling && joint) ? 1 : 0;
+    with_outlines[p] = last - first >= 2 || (prepared.draw_outlines && joint) ? 1 : 0;
   }
   return with_outlines;
 }

@@ -57,7 +57,7 @@ class Preparation {
     CLEAVE_CHECK(terminate());
     builder_.finish();
     out_.roundings = roundings();
-    out_.keep_dangling = input_.keep_dangling;
+    out_.draw_outlines = input_.keep_dangling || input_.keep_network;
     out_.largest_snap = metres(std::max(snapper_.largest_move(), farthest_move_));
     out_.coarse_snap = snapper_.coarse();
     out_.merged_planes = snapper_.merged_planes();

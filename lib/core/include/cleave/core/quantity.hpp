@@ -69,6 +69,8 @@ using ForcePerLength = Quantity<0, 1, -2>;  ///< N/m
 using UnitWeight = Quantity<-2, 1, -2>;     ///< N/m3
 using Stiffness = Quantity<-2, 1, -2>;      ///< Pa/m, of a joint: stress over displacement
 using Time = Quantity<0, 0, 1>;
+using FlowRate = Quantity<3, 0, -1>;        ///< m3/s
+using Transmissivity = Quantity<2, 0, -1>;  ///< m2/s; of a kinematic viscosity, too
 
 [[nodiscard]] constexpr Length metres(double v) noexcept { return Length::from_si(v); }
 [[nodiscard]] constexpr Area square_metres(double v) noexcept { return Area::from_si(v); }

@@ -24,6 +24,7 @@ enum class Draw : std::uint8_t {
   friction = 7,
   cohesion = 8,
   tension = 9,
+  aperture = 10,
 };
 
 /// The purpose word of a stream: 256 * set number (order in the scene file, from 0) + what is drawn.

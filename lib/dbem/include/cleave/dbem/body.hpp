@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cleave/bem/outline.hpp"
+#include "cleave/bem/problem.hpp"
 #include "cleave/core/quantity.hpp"
 
 /// Blocks in contact in the plane: the discrete boundary element method. SI units; everything is per metre of

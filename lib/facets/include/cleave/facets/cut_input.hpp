@@ -59,6 +59,8 @@ struct CutInput {
   std::vector<std::uint32_t> precedence = {};
   /// Keeps the parts of joints that separate nothing (BlockComplex::dangling). The blocks are the same.
   bool keep_dangling = false;
+  /// Keeps the joints cut along each other, in triangles (BlockComplex::network). The blocks are the same.
+  bool keep_network = false;
   /// Only what lies in this box is cut, on the lattice of the whole scene: blocks that do not reach the window's sides
   /// are those of the whole scene, with the same corners; the others are marked truncated.
   std::optional<Window> window = {};

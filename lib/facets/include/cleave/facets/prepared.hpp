@@ -97,7 +97,7 @@ struct Prepared {
   std::vector<SnappedJoint> snapped;
   std::vector<Index> outside;  ///< joints whose box misses the domain's
   Index joint_count = 0, excavation_count = 0;
-  bool keep_dangling = false;  ///< draw the outlines of all joints
+  bool draw_outlines = false;  ///< of all joints
   bool has_sheets = false;     ///< some facets are pieces of folded polygons
   HeldCorners held;
   double bend = 0;       ///< sites: the farthest that a corner of a sheet lies off its plane

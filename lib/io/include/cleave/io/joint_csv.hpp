@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <expected>
 #include <filesystem>
@@ -75,5 +77,18 @@ struct JointCsvOptions {
 
 /// The table as parse_joint_csv reads it back: only columns that some row needs.
 [[nodiscard]] std::string write_joint_csv(const JointTable& table);
+
+/// Lines and polygons of a map, coordinates as in the file.
+struct TraceMap {
+  std::vector<std::vector<std::array<double, 2>>> lines;
+  std::vector<std::vector<std::array<double, 2>>> polygons;  ///< outer rings, without the repeated last corner
+  bool unit_known = true;                                    ///< false for digitised pixels: the user must give a scale
+  std::vector<std::string> notes;                            ///< what was left out
+};
+
+/// By the ending of `name`: .geojson/.json (LineString, MultiLineString, Polygon, MultiPolygon; coordinates in degrees
+/// are refused, null geometries skipped), .csv with a header (x1,y1,x2,y2, or trace,x,y), .txt as FracPaQ writes it
+/// (one trace a line, x1 y1 x2 y2 ... with tabs, pixels).
+[[nodiscard]] std::expected<TraceMap, ReadError> parse_trace_map(std::string_view bytes, std::string_view name);
 
 }  // namespace cleave::io

@@ -17,6 +17,7 @@
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/motion/world.hpp"
 #include "cleave/realize/figures.hpp"
+#include "cleave/realize/flow_result.hpp"
 #include "cleave/realize/sequence.hpp"
 #include "cleave/scene/plan.hpp"
 #include "cleave/scene3d/scene.hpp"
@@ -199,7 +200,8 @@ struct JointInfo {
   stability::JointStrength strength;
   geometry::Vec3 normal;  ///< upward unit normal (z >= 0); of the first polygon when the joint has several
   Dip dip;
-  DipDirection dip_direction;  ///< clockwise from +y
+  DipDirection dip_direction;           ///< clockwise from +y
+  std::optional<Length> aperture = {};  ///< where the scene states one
 };
 
 struct SetInfo {
@@ -321,6 +323,8 @@ struct Realization : SampledScene {
   std::optional<FieldStressResult> field_stress = {};
   /// Where the scene has [motion] and something is judged.
   std::optional<MotionResult> motion = {};
+  /// Where the scene has [flow].
+  std::optional<FlowResult> flow = {};
   /// Blocks cut by a window that cases or support depend on: then none of it holds, and a larger window is needed.
   std::vector<topology::BlockId> undecided = {};
 
@@ -381,6 +385,7 @@ void fields(V& v, const RunResult& x) {
     "Key blocks at a tunnel with the stress of the rock across their joints ([field_stress]); error, condition and "
     "residual are those of the elastic section.");
   v("motion", x.motion, "Blocks in motion ([motion]).");
+  v("flow", x.flow, "Which joints hang together, and steady flow of water in them ([flow]); rates in m3/s.");
   v("maximum_blocks", f.maximum_blocks,
     "Largest key blocks that persistent joints of the sets' mean orientations can make at a tunnel "
     "(stability.maximum_blocks).");

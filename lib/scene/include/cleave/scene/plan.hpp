@@ -28,13 +28,14 @@ enum class Step : std::uint8_t {
   monte_carlo,
   elastic,
   contact,
+  flow,  ///< only in plans of scenes with [flow]
   write,
   report
 };
 
 inline constexpr std::array all_steps{Step::read,      Step::draw,    Step::cut,         Step::audit,
                                       Step::stability, Step::support, Step::monte_carlo, Step::elastic,
-                                      Step::contact,   Step::write,   Step::report};
+                                      Step::contact,   Step::flow,    Step::write,       Step::report};
 
 /// "read", "draw", ... as in summary.json: the enumerators.
 [[nodiscard]] std::string_view name_of(Step step) noexcept;
@@ -59,7 +60,8 @@ struct SizeEstimate {
   Time together = {};
 };
 
-/// What a run of a scene does and leaves out, one entry a step in the order of `all_steps`: the run executes those
+/// What a run of a scene does and leaves out, one entry a step in the order of `all_steps` (but
+/// for those that are not listed where nothing asks for them): the run executes those
 /// entries and nothing else.
 struct Plan {
   std::vector<PlannedStep> steps;

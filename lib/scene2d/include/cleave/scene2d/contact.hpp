@@ -12,7 +12,6 @@
 #include <string_view>
 #include <vector>
 
-#include "cleave/bem/outline.hpp"
 #include "cleave/bem/problem.hpp"
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"

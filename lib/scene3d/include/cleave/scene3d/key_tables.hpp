@@ -19,6 +19,7 @@ namespace cleave::scene {
 [[nodiscard]] const KeyTable& strength_keys();  ///< [joints.NAME]
 [[nodiscard]] const KeyTable& rock_keys();
 [[nodiscard]] const KeyTable& field_stress_keys();
+[[nodiscard]] const KeyTable& flow_keys();
 [[nodiscard]] const KeyTable& motion_keys();
 [[nodiscard]] const KeyTable& scanline_keys();
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <expected>
@@ -70,6 +71,7 @@ struct JointProperties {
   double friction_cohesion = 0;
   std::optional<stability::Roughness> roughness = {};       ///< Barton-Bandis: `friction` is the residual angle
   std::optional<stability::JointStiffness> stiffness = {};  ///< for [field_stress]
+  std::optional<NumberLaw> aperture = {};                   ///< m, for [flow]; one value a joint
 };
 /// A joint's strength from its properties: the straight law, or with a roughness the curved one, which has no cohesion.
 [[nodiscard]] std::expected<stability::JointStrength, stability::StrengthError> joint_strength(
@@ -255,6 +257,25 @@ struct FieldStressSettings {
   std::uint32_t line = 1;   ///< in the scene file
 };
 
+/// A face of the domain and what water finds there.
+struct FlowSide {
+  std::uint32_t tag;
+  std::optional<Length> level;  ///< z; empty: closed
+};
+/// [flow]: which joints hang together, and steady flow of water in them.
+struct FlowSettings {
+  std::optional<Length> level = {};  ///< z, on fixed sides that are not named
+  std::vector<FlowSide> sides = {};
+  Transmissivity viscosity = Transmissivity::from_si(1.004e-6);  ///< kinematic
+  double tolerance = 0.02;
+  std::size_t most_triangles = 1'000'000;
+  std::uint32_t line = 1;  ///< in the scene file
+  /// Water stands somewhere.
+  [[nodiscard]] bool flows() const {
+    return level || std::ranges::any_of(sides, [](const FlowSide& side) { return side.level.has_value(); });
+  }
+};
+
 /// Which blocks are let go.
 enum class Release : std::uint8_t {
   batches,  ///< those of the batches of key blocks
@@ -312,6 +333,7 @@ struct SceneContent {
   std::optional<FieldStressSettings> field_stress;
   std::optional<SequenceSettings> sequence;  ///< empty: all excavations are of one stage
   std::optional<MotionSettings> motion = {};
+  std::optional<FlowSettings> flow = {};
   MicroBlocks micro_blocks;
   std::optional<MonteCarloSettings> monte_carlo;
   std::vector<InputFile> files = {};

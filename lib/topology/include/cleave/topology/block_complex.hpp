@@ -349,6 +349,34 @@ struct Dangling {
   std::uint64_t joints = 0, isolated_joints = 0;  ///< with at least one piece; of those, isolated
 };
 
+/// A flat part of joints, with rock on both sides, that no other joint and no surface of the rock crosses.
+struct JointPiece {
+  std::vector<JointId> joints;  ///< that lie there, ascending; nearly always one
+  PlaneId plane;
+  std::array<BlockId, 2> blocks;  ///< on the positive and the negative side of the plane; one and the same where it
+                                  ///< dangles
+  Area area;
+  std::uint32_t first_triangle, triangle_count;  ///< into JointNetwork::triangles
+};
+
+/// A straight line, between two neighbouring corners, along which joints end at the surface of the rock.
+struct JointBorder {
+  std::array<VertexId, 2> ends;
+  Role role;                                ///< free, fixed or window
+  std::optional<std::uint32_t> excavation;  ///< as of faces of blocks
+  std::optional<std::uint32_t> tag;
+};
+
+/// The joints as they lie in the rock, kept with CutInput::keep_network: cut along every line in which they meet each
+/// other and the surface of the rock, and into triangles. It conforms: two triangles have a side in common, a corner,
+/// or nothing; more than two meet in a side where joints cross. Triangles are never flat and turn counter-clockwise
+/// about the normal of their plane. It is not saved with the blocks.
+struct JointNetwork {
+  std::vector<std::array<VertexId, 3>> triangles;
+  std::vector<JointPiece> pieces;
+  std::vector<JointBorder> borders;
+};
+
 /// What one excavation takes of the domain (or window).
 struct ExcavatedVolume {
   Volume removed = {};  ///< rock: what several take counts for the first of them
@@ -393,7 +421,8 @@ class BlockComplex final {
         {};                   ///< exact coefficients in lattice units; normals point to the positive side
     Volume rock_volume = {};  ///< of the domain (or window) less what is excavated, from their own surfaces
     CutReport report = {};
-    std::optional<Dangling> dangling = {};  ///< when asked for
+    std::optional<Dangling> dangling = {};     ///< when asked for
+    std::optional<JointNetwork> network = {};  ///< when asked for
 
     [[nodiscard]] LoopRange loops(const Face& face) const {
       const std::span<const VertexId> own = std::span{corners}.subspan(face.first_corner, face.corner_count);
@@ -436,6 +465,8 @@ class BlockComplex final {
   [[nodiscard]] const CutReport& report() const noexcept { return kept_.rest.report; }
   /// What dangles, when it was asked for.
   [[nodiscard]] const std::optional<Dangling>& dangling() const noexcept { return kept_.rest.dangling; }
+  /// The joints cut along each other, when they were asked for.
+  [[nodiscard]] const std::optional<JointNetwork>& network() const noexcept { return kept_.rest.network; }
   /// A copy.
   [[nodiscard]] Data data() const;
 

@@ -1,0 +1,249 @@
+#include "flow_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "cleave/core/expected.hpp"
+
+namespace cleave::scene {
+
+double FlowResult::share_at_openings() const {
+  double sum = 0;
+  for (const flow::Cluster& cluster : connectivity.clusters) {
+    const bool reaches = std::ranges::any_of(cluster.surfaces, [&](std::uint32_t s) { return surfaces[s].opening; });
+    if (reaches) sum += cluster.area.si();
+  }
+  return connectivity.area.si() > 0 ? sum / connectivity.area.si() : 0;
+}
+
+double FlowResult::share_of_backbone() const {
+  double sum = 0;
+  for (const flow::JointPart& part : connectivity.parts) sum += part.backbone ? part.area.si() : 0;
+  return connectivity.area.si() > 0 ? sum / connectivity.area.si() : 0;
+}
+
+namespace {
+
+using flow::RockSurface;
+using topology::Role;
+
+constexpr double gravity = 9.81;  ///< m/s2, of the cubic law
+
+/// Tags of fixed sides that an opening cuts, or that meet a free side, below a level.
+std::set<std::uint32_t> cut_sides(const topology::BlockComplex& complex, double level) {
+  std::vector<std::uint8_t> at_opening(complex.vertices().size(), 0);
+  for (const topology::Face& face : complex.faces()) {
+    if (face.role != Role::free) continue;
+    for (const topology::VertexId v : complex.loops(face).all_corners()) at_opening[v.index()] = 1;
+  }
+  std::set<std::uint32_t> tags;
+  for (const topology::Face& face : complex.faces()) {
+    if (face.role != Role::fixed || !face.tag) continue;
+    for (const topology::VertexId v : complex.loops(face).all_corners()) {
+      if (at_opening[v.index()] != 0 && complex.position(v).z < level) tags.insert(*face.tag);
+    }
+  }
+  return tags;
+}
+
+class FlowRun {
+ public:
+  FlowRun(const Scene& scene, const SampledScene& drawn, const topology::BlockComplex& complex)
+      : scene_{scene},
+        settings_{*scene.flow},
+        drawn_{drawn},
+        complex_{complex},
+        surfaces_{flow::surfaces_of(*complex.network())} {}
+
+  std::expected<FlowResult, Problem> run() {
+    out_.origin = complex_.origin();
+    out_.connectivity = flow::connectivity(complex_, surfaces_);
+    for (const topology::JointPiece& piece : complex_.network()->pieces) {
+      out_.joint_of_part.push_back(piece.joints.front());
+    }
+    find_conditions();
+    for (const auto& [a, b] : out_.connectivity.percolates) {
+      out_.percolates.push_back({out_.surfaces[a].name, out_.surfaces[b].name});
+    }
+    if (settings_.flows()) CLEAVE_CHECK(send_water());
+    find_joints();
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] std::string name_of(const RockSurface& surface) const {
+    if (surface.excavation) return scene_.excavations[*surface.excavation].name;
+    if (surface.tag && *surface.tag < scene_.domain.tags().size()) return scene_.domain.tags()[*surface.tag];
+    return surface.role == Role::free ? "free surface" : "border";
+  }
+
+  void find_conditions() {
+    const std::set<std::uint32_t> cut =
+        settings_.level ? cut_sides(complex_, settings_.level->si()) : std::set<std::uint32_t>{};
+    std::string closed;
+    for (const RockSurface& surface : surfaces_.surfaces) {
+      const auto own = surface.tag && !surface.excavation
+                           ? std::ranges::find(settings_.sides, *surface.tag, &FlowSide::tag)
+                           : settings_.sides.end();
+      FlowSurface& row = out_.surfaces.emplace_back(FlowSurface{.name = name_of(surface), .condition = "closed"});
+      row.opening = surface.role == Role::free;
+      flow::Surface& condition = conditions_.emplace_back(flow::Closed{});
+      std::optional<Length> level;
+      if (own != settings_.sides.end()) {
+        level = own->level;
+      } else if (surface.role == Role::free) {
+        condition = flow::Drained{};
+        row.condition = "drained";
+      } else if (settings_.level && surface.tag && !cut.contains(*surface.tag)) {
+        level = settings_.level;
+      } else if (settings_.level && surface.tag) {
+        closed += (closed.empty() ? "" : ", ") + row.name;
+      }
+      if (!level) continue;
+      condition = flow::Standing{*level - metres(complex_.origin().z)};
+      row.condition = "standing water";
+      row.level = level;
+    }
+    if (!closed.empty()) {
+      out_.notes.push_back(fmt::format(
+          "[flow]: no water passes the faces of the domain that an opening cuts below the water: {}. Name them in "
+          "[[flow.side]] to give them a level",
+          closed));
+    }
+  }
+
+  std::expected<void, Problem> send_water() {
+    flow::NetworkSpec spec{.mesh = flow::mesh_of(complex_, surfaces_), .transmissivity = {}, .surfaces = conditions_};
+    for (const topology::JointPiece& piece : complex_.network()->pieces) {
+      Transmissivity sum;
+      Length widest;
+      for (const topology::JointId joint : piece.joints) {
+        const Length aperture = drawn_.joints[joint].aperture.value_or(Length{});
+        sum += transmissivity(aperture);
+        widest = std::max(widest, aperture);
+      }
+      spec.transmissivity.push_back(sum);
+      out_.aperture_of_part.push_back(widest);
+    }
+    auto network = flow::Network::make(std::move(spec));
+    if (!network)
+      return std::unexpected(problem(describe(network.error()), "report this scene: it is a bug in cleave"));
+    auto solved = flow::solve(*network, {.tolerance = settings_.tolerance, .most_triangles = settings_.most_triangles});
+    if (!solved) return std::unexpected(refused(solved.error()));
+    out_.flow = *std::move(solved);
+    for (std::size_t s = 0; s < out_.surfaces.size(); ++s) out_.surfaces[s].passed = out_.flow->surfaces[s];
+    note_flow();
+    return {};
+  }
+
+  [[nodiscard]] Transmissivity transmissivity(Length aperture) const {
+    return Transmissivity::from_si(flow::cubic_law(aperture.si(), settings_.viscosity.si(), gravity));
+  }
+  [[nodiscard]] Problem problem(std::string what, std::string remedy) const {
+    return {scene_.shown, settings_.line, "flow", std::move(what), std::move(remedy)};
+  }
+  [[nodiscard]] Problem refused(const flow::FlowError& error) const {
+    const auto* meet = std::get_if<flow::HeadsMeet>(&error);
+    if (meet == nullptr) return problem(describe(error), "change the tolerance");
+    const geometry::Vec3 at = complex_.origin() + meet->at;
+    return problem(
+        fmt::format(
+            "the heads of \"{}\" ({:.6g} m) and \"{}\" ({:.6g} m) meet at ({:.6g}, {:.6g}, {:.6g}): any amount of "
+            "water passes between them",
+            out_.surfaces[meet->surface].name, complex_.origin().z + meet->head, out_.surfaces[meet->other].name,
+            complex_.origin().z + meet->other_head, at.x, at.y, at.z),
+        "close one of the two: [[flow.side]] face = \"...\", closed = true");
+  }
+
+  void note_flow() {
+    const flow::Flow& f = *out_.flow;
+    if (f.status == flow::FlowStatus::too_many_triangles) {
+      out_.notes.push_back(fmt::format(
+          "[flow]: at {} triangles the bounds of the inflow are still {:.3g} % wide to either side, not {:.3g} "
+          "%: raise max_triangles, or the tolerance",
+          f.mesh.triangles.size(), 100 * f.rounds.back().width, 100 * settings_.tolerance));
+    }
+    if (f.status == flow::FlowStatus::unsettled) {
+      out_.notes.emplace_back(
+          "[flow]: where water comes out of drained surfaces and where they stay dry was not settled: the rates are "
+          "those "
+          "of the last guess");
+    }
+    if (f.area > Area{} && !(f.wet_area > Area{})) {
+      out_.notes.emplace_back("[flow]: no joint reaches standing water, so no water flows");
+    }
+    out_.notes.emplace_back(
+        "[flow]: joints are taken as full of water, above the water table too, and the rock between them as tight; the "
+        "water pressures of [flow] do not act on blocks");
+  }
+
+  void find_joints() {
+    std::map<topology::JointId, FlowJoint> rows;
+    std::map<topology::JointId, double> largest;
+    const auto& network = *complex_.network();
+    for (std::size_t p = 0; p < network.pieces.size(); ++p) {
+      const flow::JointPart& part = out_.connectivity.parts[out_.connectivity.part_of[p]];
+      for (const topology::JointId joint : network.pieces[p].joints) {
+        FlowJoint& row = row_of(rows, joint);
+        row.area += network.pieces[p].area;
+        row.backbone = row.backbone || part.backbone;
+        double& known = largest[joint];
+        if (part.area.si() > known) {
+          known = part.area.si();
+          row.cluster = part.cluster;
+        }
+      }
+    }
+    if (out_.flow) add_water(rows);
+    for (auto& [joint, row] : rows) out_.joints.push_back(std::move(row));
+  }
+  FlowJoint& row_of(std::map<topology::JointId, FlowJoint>& rows, topology::JointId joint) const {
+    const auto [entry, fresh] = rows.try_emplace(joint);
+    if (fresh) {
+      const JointInfo& info = drawn_.joints[joint];
+      entry->second.joint = joint;
+      entry->second.source = info.source;
+      entry->second.set = drawn_.sets[info.set].name;
+      if (info.aperture) {
+        entry->second.aperture = *info.aperture;
+        entry->second.transmissivity = transmissivity(*info.aperture);
+      }
+    }
+    return entry->second;
+  }
+  /// Where several joints lie on one another the first counts for all.
+  void add_water(std::map<topology::JointId, FlowJoint>& rows) const {
+    const flow::Flow& f = *out_.flow;
+    for (std::size_t t = 0; t < f.mesh.triangles.size(); ++t) {
+      if (f.wet[t] == 0) continue;
+      const auto& [a, b, c] = f.mesh.triangles[t];
+      rows[out_.joint_of_part[f.mesh.part[t]]].wet_area +=
+          square_metres(0.5 * norm(cross(f.mesh.points[b] - f.mesh.points[a], f.mesh.points[c] - f.mesh.points[a])));
+    }
+    for (std::size_t b = 0; b < f.mesh.borders.size(); ++b) {
+      if (!std::holds_alternative<flow::Drained>(conditions_[f.mesh.borders[b].surface])) continue;
+      rows[out_.joint_of_part[f.mesh.part[f.triangle_of_border[b]]]].into_openings += f.out_of_border[b];
+    }
+  }
+
+  const Scene& scene_;
+  const FlowSettings& settings_;
+  const SampledScene& drawn_;
+  const topology::BlockComplex& complex_;
+  flow::JointSurfaces surfaces_;
+  std::vector<flow::Surface> conditions_;
+  FlowResult out_;
+};
+
+}  // namespace
+
+std::expected<FlowResult, Problem> run_flow(const Scene& scene, const SampledScene& drawn,
+                                            const topology::BlockComplex& complex) {
+  return FlowRun{scene, drawn, complex}.run();
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,83 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+
+#include "cleave/scene3d/key_tables.hpp"
+#include "context.hpp"
+#include "domain_faces.hpp"
+
+namespace cleave::scene {
+namespace {
+
+constexpr NumberRule viscosity_rule = NumberRule{0, true, 1e3, false, " m2/s"}.usually(2e-7, 1e-4);
+constexpr NumberRule tolerance_rule{1e-6, false, 10, false, ""};
+
+const KeyTable& flow_side_keys() {
+  static const KeyTable keys{
+      .name = "flow.side",
+      .keys = {{"face", key::text(), required, "a face of the domain, as `stability.free` names them"},
+               {"level", key::number(rule::coordinate), "", "m, z: water stands there to this level"},
+               {"closed", key::flag(), "false", "no water passes"}}};
+  return keys;
+}
+
+void parse_side(const TableReader& table, const std::optional<geometry::Solid>& domain, FlowSettings& settings) {
+  const auto name = table.need_text("face");
+  const auto level = table.number("level");
+  const bool closed = table.flag("closed");
+  if (level.has_value() == closed) {
+    table.error(closed ? "closed" : "level", closed ? "stands beside a level" : "is missing",
+                "give either level = 80, or closed = true");
+  }
+  if (!name || !domain) return;
+  const auto tag = face_named(table, "face", *name, *domain);
+  if (!tag) return;
+  if (std::ranges::find(settings.sides, *tag, &FlowSide::tag) != settings.sides.end()) {
+    table.error("face", fmt::format("\"{}\" is named twice", *name), "name it once");
+    return;
+  }
+  settings.sides.push_back({*tag, closed || !level ? std::nullopt : std::optional{metres(*level)}});
+}
+
+}  // namespace
+
+const KeyTable& flow_keys() {
+  static const KeyTable keys{
+      .name = "flow",
+      .keys = {{"level", key::number(rule::coordinate), "",
+                "m, z: water stands to this level on all fixed sides of the domain that no `side` names and no opening "
+                "cuts. "
+                "Without any level only what hangs together is looked at"},
+               {"side", key::tables(&flow_side_keys), "", "`[[flow.side]]`: a level of its own for one face, or none"},
+               {"viscosity", key::number(viscosity_rule), "1.004e-6", "m2/s, kinematic: water at 20 degrees"},
+               {"tolerance", key::number(tolerance_rule), "0.02",
+                "half width of the bounds of the inflow over the inflow: the mesh is refined until then"},
+               {"max_triangles", key::whole(1000, 20'000'000), "1000000", "the mesh grows no further"}}};
+  return keys;
+}
+
+std::optional<FlowSettings> parse_flow(const TableReader& root, const Context& context, const std::set<SetId>& used,
+                                       const std::optional<geometry::Solid>& domain) {
+  const auto found = root.sub("flow");
+  if (!found) return std::nullopt;
+  const TableReader& table = *found;
+  FlowSettings settings;
+  settings.line = table.line();
+  if (const auto level = table.number("level")) settings.level = metres(*level);
+  for (const TableReader& side : table.each("side")) parse_side(side, domain, settings);
+  settings.viscosity = Transmissivity::from_si(table.value("viscosity"));
+  settings.tolerance = table.value("tolerance");
+  settings.most_triangles = static_cast<std::size_t>(table.count("max_triangles"));
+  if (!settings.flows()) return settings;
+  for (const SetId set : used) {
+    if (context.sets[set].properties.aperture) continue;
+    table.problems().error(table.line(), "joints." + context.sets[set].name + ".aperture",
+                           "is missing, and water flows in all joints",
+                           "give every set an aperture in m, or one for all: [joints.default] aperture = 1e-4");
+  }
+  return settings;
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,340 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cleave/flow/flow.hpp"
+#include "cleave/geometry/tunnel.hpp"
+#include "complexes.hpp"
+#include "workloads.hpp"
+
+// Steady flow in networks of joints: closed forms, published capacitances, and that the bounds hold.
+
+namespace cleave::testing {
+namespace {
+
+using flow::Closed;
+using flow::Drained;
+using flow::Flow;
+using flow::FlowStatus;
+using flow::Standing;
+
+/// Sides of make_box by their tags.
+enum Tag : std::uint32_t { west, east, south, north, bottom, top };
+
+Standing at(double level) { return {metres(level)}; }
+
+struct Water {
+  std::map<std::uint32_t, flow::Surface> sides = {};  ///< by tag; others are closed
+  flow::Surface excavation = Drained{};
+  std::vector<double> transmissivity = {};  ///< of joints by number; 1e-6 m2/s where there is none
+};
+
+struct Built {
+  flow::Network network;
+  flow::JointSurfaces surfaces;
+  topology::BlockComplex complex;
+
+  [[nodiscard]] std::size_t of_tag(std::uint32_t tag) const {
+    for (std::size_t s = 0; s < surfaces.surfaces.size(); ++s) {
+      if (surfaces.surfaces[s].tag == tag) return s;
+    }
+    throw std::runtime_error{"no joint reaches that side"};
+  }
+  [[nodiscard]] std::size_t of_excavation(std::uint32_t excavation) const {
+    for (std::size_t s = 0; s < surfaces.surfaces.size(); ++s) {
+      if (surfaces.surfaces[s].excavation == excavation) return s;
+    }
+    throw std::runtime_error{"no joint reaches that excavation"};
+  }
+};
+
+Built build(topology::CutInput input, const Water& water) {
+  input.keep_network = true;
+  auto complex = certified(input).complex();
+  const double up = complex.origin().z;
+  flow::JointSurfaces surfaces = flow::surfaces_of(*complex.network());
+  flow::NetworkSpec spec{.mesh = flow::mesh_of(complex, surfaces)};
+  for (const auto& piece : complex.network()->pieces) {
+    double sum = 0;
+    for (const auto joint : piece.joints) {
+      sum += joint.index() < water.transmissivity.size() ? water.transmissivity[joint.index()] : 1e-6;
+    }
+    spec.transmissivity.push_back(Transmissivity::from_si(sum));
+  }
+  for (const auto& surface : surfaces.surfaces) {
+    const auto given = surface.tag ? water.sides.find(*surface.tag) : water.sides.end();
+    flow::Surface condition = surface.excavation           ? water.excavation
+                              : given != water.sides.end() ? given->second
+                                                           : flow::Surface{Closed{}};
+    if (auto* standing = std::get_if<Standing>(&condition)) standing->level = standing->level - metres(up);
+    spec.surfaces.push_back(condition);
+  }
+  auto network = flow::Network::make(std::move(spec));
+  if (!network) throw std::runtime_error{describe(network.error())};
+  return {*std::move(network), std::move(surfaces), std::move(complex)};
+}
+
+Flow solved(const flow::Network& network, double tolerance = 0.01) {
+  auto flow = flow::solve(network, {.tolerance = tolerance});
+  if (!flow) throw std::runtime_error{describe(flow.error())};
+  EXPECT_LT(flow->residual, 1e-12);
+  EXPECT_LT(flow->imbalance, 1e-9);
+  return *std::move(flow);
+}
+
+geometry::Solid room() { return box({0, 0, 0}, {4, 3, 2}); }
+
+TEST(FlowTest, OneJointIsDarcysLaw) {
+  const auto built = build(scene(room(), {rectangle(2, 1, {-1, -1}, {5, 5})}),
+                           {.sides = {{west, at(10)}, {east, at(4)}}, .transmissivity = {2e-5}});
+  const Flow flow = solved(built.network);
+  const double exact = 2e-5 * 3 * (10 - 4) / 4;
+  const auto& out = flow.surfaces[built.of_tag(east)];
+  EXPECT_NEAR(out.out.si(), exact, 1e-15);
+  ASSERT_TRUE(out.bounds.has_value());
+  EXPECT_NEAR(out.bounds->low, exact, 1e-15);
+  EXPECT_NEAR(out.bounds->high, exact, 1e-15);
+  EXPECT_NEAR(flow.surfaces[built.of_tag(west)].out.si(), -exact, 1e-15);
+  EXPECT_DOUBLE_EQ(out.open_length.si(), 3);
+  EXPECT_EQ(flow.rounds.size(), 1U) << "linear heads need no finer mesh";
+  for (std::size_t t = 0; t < flow.mesh.triangles.size(); ++t) {
+    EXPECT_NEAR(flow.q[t].x, exact / 3, 1e-15);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double x = built.complex.origin().x + flow.mesh.points[flow.mesh.triangles[t][k]].x;
+      EXPECT_NEAR(built.complex.origin().z + flow.head[t][k].si(), 10 - 1.5 * x, 1e-12);
+    }
+  }
+}
+
+TEST(FlowTest, ParallelJointsAddAndJointsAcrossChangeNothing) {
+  const auto built = build(scene(room(), {rectangle(2, 1, {-1, -1}, {5, 5}), rectangle(1, 1, {-1, -1}, {5, 5}),
+                                          rectangle(0, 2, {-1, -1}, {5, 5}), rectangle(2, 1, {-1, -1}, {5, 5})}),
+                           {.sides = {{west, at(3)}, {east, at(2)}}, .transmissivity = {1e-5, 2e-5, 7e-4, 3e-5}});
+  const Flow flow = solved(built.network);
+  const double exact = ((1e-5 + 3e-5) * 3 + 2e-5 * 2) / 4;  // the first and the last lie on one another
+  EXPECT_NEAR(flow.surfaces[built.of_tag(east)].out.si(), exact, 1e-15);
+}
+
+TEST(FlowTest, JointsInARowAddTheirResistances) {
+  // Level from the west to x = 2, then down a wall of 1 m, then on a lower level to the east.
+  const auto built = build(scene(room(), {rectangle(2, 1.5, {-1, -1}, {2, 5}), rectangle(0, 2, {-1, 0.5}, {5, 1.5}),
+                                          rectangle(2, 0.5, {2, -1}, {5, 5})}),
+                           {.sides = {{west, at(8)}, {east, at(3)}}, .transmissivity = {1e-6, 4e-6, 2e-6}});
+  const double exact = 5 * 3 / (2 / 1e-6 + 1 / 4e-6 + 2 / 2e-6);
+  const Flow flow = solved(built.network);
+  EXPECT_NEAR(flow.surfaces[built.of_tag(east)].out.si(), exact, 1e-12 * exact);
+}
+
+TEST(FlowTest, WhatHangsOnNothingStaysDry) {
+  // The second one touches no water, the third is a dead end on the first.
+  const auto built = build(scene(room(), {rectangle(2, 1, {-1, -1}, {5, 5}), rectangle(2, 1.5, {1, 1}, {2, 2}),
+                                          rectangle(0, 2, {1, 0.5}, {2, 1.25})}),
+                           {.sides = {{west, at(10)}, {east, at(6)}}});
+  const Flow flow = solved(built.network);
+  EXPECT_NEAR(flow.area.si(), 12 + 1 + 0.75, 1e-12);
+  EXPECT_NEAR(flow.wet_area.si(), 12 + 0.75, 1e-12);
+  EXPECT_NEAR(flow.surfaces[built.of_tag(east)].out.si(), 3e-6, 1e-18);
+  for (std::size_t t = 0; t < flow.mesh.triangles.size(); ++t) {
+    const auto joint = built.complex.network()->pieces[flow.mesh.part[t]].joints.front();
+    EXPECT_EQ(flow.wet[t] != 0, joint != topology::JointId{1U});
+    if (joint == topology::JointId{2U}) {
+      for (const Length head : flow.head[t]) EXPECT_NEAR(built.complex.origin().z + head.si(), 8, 1e-12) << "at x = 2";
+    }
+  }
+}
+
+TEST(FlowTest, ASquareInASquareIsItsPublishedCapacitance) {
+  // Sides 2 and 4: 10.2341 per unit length and permittivity (36.81 ohm, the square coaxial line of ratio 2).
+  auto input = scene(box({0, 0, 0}, {4, 4, 2}), {rectangle(2, 1, {-1, -1}, {5, 5})}, {box({1, 1, 0.5}, {3, 3, 1.5})});
+  const auto built =
+      build(input, {.sides = {{west, at(7)}, {east, at(7)}, {south, at(7)}, {north, at(7)}}, .transmissivity = {1e-6}});
+  constexpr double exact = 10.234092569 * 1e-6 * (7 - 1);
+  double width = 1;
+  for (const double tolerance : {0.1, 0.01, 0.001}) {
+    const Flow flow = solved(built.network, tolerance);
+    EXPECT_EQ(flow.status, FlowStatus::converged);
+    EXPECT_LE(flow.drained.low, exact);
+    EXPECT_GE(flow.drained.high, exact);
+    EXPECT_LE(0.5 * (flow.drained.high - flow.drained.low), tolerance * exact);
+    EXPECT_LE(flow.drained.high - flow.drained.low, width);
+    width = flow.drained.high - flow.drained.low;
+    // The width falls like one over the triangles, though the corners are sharp.
+    const auto& rounds = flow.rounds;
+    if (rounds.size() > 8) {
+      const auto &early = rounds[rounds.size() / 2], &late = rounds.back();
+      EXPECT_GT(std::log(early.width / late.width) /
+                    std::log(static_cast<double>(late.triangles) / static_cast<double>(early.triangles)),
+                0.85);
+    }
+  }
+}
+
+TEST(FlowTest, ABoreholeDrawsAsThiemSays) {
+  // Prisms of 64 corners, radii 1 and 8: polygons inscribed and circumscribed about the circles bound the closed form.
+  constexpr int n = 64;
+  const auto prism = [](double r, double lo, double hi) {
+    const geometry::CircleSection circle{.diameter = metres(2 * r)};
+    return geometry::make_tunnel(circle, {{0, 0, lo}, {0, 0, hi}}, {.segments = n / 2, .up = Vec3{0, 1, 0}}).value();
+  };
+  auto input = scene(prism(8, -2, 2), {rectangle(2, 0, {-9, -9}, {9, 9})}, {prism(1, -1, 1)});
+  Water water{.transmissivity = {3e-6}};
+  for (std::uint32_t tag = 0; tag < 200; ++tag) water.sides[tag] = at(5);
+  const auto built = build(input, water);
+  const Flow flow = solved(built.network, 0.002);
+  // The prisms have the areas of the circles: they lie between circles of these shares of the radii.
+  const double inner = std::sqrt(std::numbers::pi / n / std::tan(std::numbers::pi / n));
+  const double outer = inner / std::cos(std::numbers::pi / n);
+  const auto thiem = [](double far, double near) { return 2 * std::numbers::pi * 3e-6 * 5 / std::log(far / near); };
+  EXPECT_GT(flow.drained.high, thiem(8 * outer, inner));
+  EXPECT_LT(flow.drained.low, thiem(8 * inner, outer));
+  EXPECT_NEAR(flow.drained.value, thiem(8, 1), 0.003 * thiem(8, 1));
+}
+
+TEST(FlowTest, BoundsOfRandomNetworksHoldThoseOfFinerMeshes) {
+  for (const char* name : {"disc-1500", "rect-13"}) {
+    SCOPED_TRACE(name);
+    auto input = support::cut_input(support::workload_named(name).value());
+    const auto corners = std::string{name} == "rect-13" ? Vec3{40, 40, 30} : Vec3{50, 50, 50};
+    input.excavations.push_back(box(corners - Vec3{12, 60, 8}, corners + Vec3{12, 60, 8}));
+    Water water{.sides = {{west, at(150)}, {east, at(130)}}};
+    for (std::size_t j = 0; j < input.joints.size(); ++j) {
+      water.transmissivity.push_back(1e-6 * std::pow(10.0, static_cast<double>(j * 7 % 5) - 2));
+    }
+    const auto built = build(input, water);
+    const Flow coarse = solved(built.network, 0.3), fine = solved(built.network, 0.03);
+    EXPECT_LT(fine.rounds.front().width, 10) << "even the first mesh says something";
+    EXPECT_GT(fine.drained.value, 0);
+    EXPECT_GE(fine.drained.value, coarse.drained.low);
+    EXPECT_LE(fine.drained.value, coarse.drained.high);
+    EXPECT_GE(coarse.drained.high, fine.drained.low);
+    EXPECT_LE(coarse.drained.low, fine.drained.high);
+    EXPECT_NEAR(fine.wet_area.si(), coarse.wet_area.si(), 1e-6);
+    double sum = 0;
+    for (const auto& surface : fine.surfaces) sum += surface.out.si();
+    EXPECT_LT(std::abs(sum), 0.03 * fine.drained.value);
+  }
+}
+
+TEST(FlowTest, TurnedSwappedAndScaledNetworksGiveTheSame) {
+  auto input = support::cut_input(support::workload_named("disc-1500").value());
+  Water water{.sides = {{west, at(150)}, {east, at(110)}}};
+  const auto built = build(input, water);
+  const Flow flow = solved(built.network, 0.1);
+  const auto rate = *flow.surfaces[built.of_tag(east)].bounds;
+  const auto overlaps = [](const flow::Rate& a, const flow::Rate& b) { return a.low <= b.high && b.low <= a.high; };
+  Water swapped{.sides = {{west, at(110)}, {east, at(150)}}};
+  const auto back = build(input, swapped);
+  EXPECT_NEAR(solved(back.network, 0.1).surfaces[back.of_tag(west)].out.si(), rate.value, 1e-9 * rate.value);
+  Water doubled = water;
+  doubled.transmissivity.assign(input.joints.size(), 2e-6);
+  const auto twice = build(input, doubled);
+  EXPECT_NEAR(solved(twice.network, 0.1).surfaces[twice.of_tag(east)].out.si(), 2 * rate.value, 1e-9 * rate.value);
+  std::ranges::reverse(input.joints);
+  const auto reversed = build(input, water);
+  EXPECT_TRUE(overlaps(*solved(reversed.network, 0.1).surfaces[reversed.of_tag(east)].bounds, rate));
+}
+
+TEST(FlowTest, WaterStandsNoHigherThanItsLevel) {
+  // An upright joint 4 m wide and 2 m high: water to 1 m in the west, to 0.5 m in the east.
+  const auto built = build(scene(room(), {rectangle(1, 1, {-1, -1}, {5, 5})}),
+                           {.sides = {{west, at(1)}, {east, at(0.5)}}, .transmissivity = {1e-6}});
+  const Flow flow = solved(built.network, 0.005);
+  const auto& in = flow.surfaces[built.of_tag(west)];
+  EXPECT_DOUBLE_EQ(in.open_length.si(), 1);
+  EXPECT_DOUBLE_EQ(in.dry_length.si(), 1);
+  EXPECT_DOUBLE_EQ(flow.surfaces[built.of_tag(east)].open_length.si(), 0.5);
+  // Less than through the whole height, more than through the lower half metre alone.
+  EXPECT_LT(-in.out.si(), 1e-6 * 0.5 * 2 / 4);
+  EXPECT_GT(-in.out.si(), 1e-6 * 0.5 * 0.5 / 4);
+}
+
+TEST(FlowTest, WaterComesOutOfDrainedSurfacesAndNeverGoesIn) {
+  // An upright joint through a chamber: water in the west stands to 1.2 m; the chamber reaches from 0.6 m to 1.8 m.
+  auto input = scene(room(), {rectangle(1, 1, {-1, -1}, {5, 5})}, {box({1.5, 0.5, 0.6}, {2.5, 1.5, 1.8})});
+  const auto built = build(input, {.sides = {{west, at(1.2)}}, .transmissivity = {1e-6}});
+  const Flow flow = solved(built.network, 0.01);
+  EXPECT_EQ(flow.status, FlowStatus::converged);
+  const auto& chamber = flow.surfaces[built.of_excavation(0)];
+  EXPECT_GT(flow.drained.low, 0);
+  EXPECT_GT(chamber.dry_length.si(), 1) << "above the water nothing comes out";
+  EXPECT_GT(chamber.open_length.si(), 0.6);
+  EXPECT_NEAR(chamber.dry_length.si() + chamber.open_length.si(), 2 * (1 + 1.2), 1e-12);
+  for (std::size_t b = 0; b < flow.mesh.borders.size(); ++b) {
+    EXPECT_LT(flow.mesh.borders[b].surface, flow.surfaces.size());
+  }
+  // All of it above the water: nothing.
+  const auto dry = build(input, {.sides = {{west, at(0.4)}}, .transmissivity = {1e-6}});
+  const Flow none = solved(dry.network, 0.01);
+  EXPECT_DOUBLE_EQ(none.drained.value, 0);
+  EXPECT_DOUBLE_EQ(none.surfaces[dry.of_excavation(0)].open_length.si(), 0);
+  EXPECT_NEAR(none.imbalance, 0, 1e-9);
+}
+
+TEST(FlowTest, HeadsThatMeetAreRefused) {
+  const auto built =
+      build(scene(room(), {rectangle(2, 1, {-1, -1}, {5, 5})}), {.sides = {{west, at(3)}, {south, at(2)}}});
+  const auto flow = flow::solve(built.network);
+  ASSERT_FALSE(flow.has_value());
+  const auto* meet = std::get_if<flow::HeadsMeet>(&flow.error());
+  ASSERT_NE(meet, nullptr);
+  EXPECT_NEAR(std::abs(meet->head - meet->other_head), 1, 1e-12);
+  EXPECT_NE(describe(flow.error()).find("close one"), std::string::npos);
+  // Of one head they may touch; what passes each alone has no bounds, what passes both has.
+  const auto same = build(scene(room(), {rectangle(2, 1, {-1, -1}, {5, 5})}),
+                          {.sides = {{west, at(3)}, {south, at(3)}, {east, at(2)}}});
+  EXPECT_FALSE(flow::solve(same.network).has_value()) << "south and east still meet";
+  const auto good = build(scene(room(), {rectangle(2, 1, {-1, -1}, {3, 5})}, {box({2, 1, 0.5}, {2.5, 2, 1.5})}),
+                          {.sides = {{west, at(3)}, {south, at(3)}}});
+  const Flow through = solved(good.network);
+  EXPECT_FALSE(through.surfaces[good.of_tag(west)].bounds.has_value());
+  EXPECT_TRUE(through.surfaces[good.of_excavation(0)].bounds.has_value());
+}
+
+TEST(FlowTest, WhatIsNoNetworkIsRefused) {
+  const auto good = [] {
+    flow::NetworkSpec spec;
+    spec.mesh = {
+        .points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}}, .part = {0}, .borders = {{{0, 1}, 0}}};
+    spec.transmissivity = {Transmissivity::from_si(1e-6)};
+    spec.surfaces = {Drained{}};
+    return spec;
+  };
+  EXPECT_TRUE(flow::Network::make(good()).has_value());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto refused = [&](auto&& change) {
+    auto spec = good();
+    change(spec);
+    const auto network = flow::Network::make(std::move(spec));
+    return network ? std::string{} : describe(network.error());
+  };
+  EXPECT_EQ(refused([](auto& s) { s.transmissivity[0] = Transmissivity{}; }),
+            "part 0 has a transmissivity that is not above 0");
+  EXPECT_NE(refused([&](auto& s) { s.transmissivity[0] = Transmissivity::from_si(nan); }), "");
+  EXPECT_NE(refused([&](auto& s) { s.mesh.points[1].x = nan; }), "");
+  EXPECT_NE(refused([](auto& s) { s.mesh.points[2] = {1, 0, 0}; }), "") << "a side without length";
+  EXPECT_NE(refused([](auto& s) { s.mesh.triangles[0][2] = 3; }), "");
+  EXPECT_NE(refused([](auto& s) { s.mesh.part[0] = 1; }), "");
+  EXPECT_NE(refused([](auto& s) { s.mesh.part.clear(); }), "");
+  EXPECT_NE(refused([](auto& s) { s.mesh.borders[0].surface = 1; }), "");
+  EXPECT_NE(refused([](auto& s) { s.mesh.borders.push_back({{1, 0}, 0}); }), "") << "twice";
+  EXPECT_NE(refused([](auto& s) { s.mesh.borders[0].ends = {0, 0}; }), "");
+  EXPECT_NE(refused([&](auto& s) { s.surfaces[0] = Standing{metres(nan)}; }), "");
+  EXPECT_FALSE(flow::solve(flow::Network::make(good()).value(), {.tolerance = 0}).has_value());
+  EXPECT_FALSE(flow::solve(flow::Network::make(good()).value(), {.tolerance = nan}).has_value());
+  EXPECT_TRUE(flow::solve(flow::Network::make({}).value()).has_value()) << "no joints: no water";
+}
+
+TEST(FlowTest, TheCubicLaw) {
+  // 0.1 mm, water at 20 degrees: 9.81 * 1e-12 / (12 * 1.004e-6).
+  EXPECT_NEAR(flow::cubic_law(1e-4, 1.004e-6, 9.81), 8.1424e-7, 1e-11);
+}
+
+}  // namespace
+}  // namespace cleave::testing
