@@ -43,14 +43,15 @@ std::expected<Flow, FlowError> solve(const Network& network, const FlowOptions& 
     const double width = level.width_of(wanted);
     rounds.push_back({mesh.triangles.size(), width});
     const bool good = width <= options.tolerance;
-    if (good || mesh.triangles.size() >= options.most_triangles) {
+    const std::vector<std::uint8_t> marked = level.worst(wanted);
+    const bool finer = std::ranges::find(marked, 1) != marked.end();
+    if (good || !finer || mesh.triangles.size() >= options.most_triangles) {
       Flow flow = level.result();
       flow.rounds = std::move(rounds);
       flow.status = !good ? FlowStatus::too_many_triangles : settled ? FlowStatus::converged : FlowStatus::unsettled;
       return flow;
     }
     open = level.open();
-    const std::vector<std::uint8_t> marked = level.worst(wanted);
     refine(mesh, marked, open);
   }
 }
