@@ -396,8 +396,10 @@ TEST(SceneTest, NestedValuesDoNotOverflowTheStack) {
 
 TEST(PlanTest, SaysWhatIsLeftOutAndWhy) {
   const Plan plan = make_plan(scene_of(box));
-  ASSERT_EQ(plan.steps.size(), all_steps.size());
-  for (std::size_t i = 0; i < all_steps.size(); ++i) EXPECT_EQ(plan.steps[i].step, all_steps[i]);
+  std::vector<Step> listed{all_steps.begin(), all_steps.end()};
+  std::erase(listed, Step::flow);  // nothing asks for it
+  ASSERT_EQ(plan.steps.size(), listed.size());
+  for (std::size_t i = 0; i < listed.size(); ++i) EXPECT_EQ(plan.steps[i].step, listed[i]);
   EXPECT_TRUE(plan.runs(Step::cut) && plan.runs(Step::audit) && plan.runs(Step::write) && plan.runs(Step::report));
   EXPECT_FALSE(plan.runs(Step::draw) || plan.runs(Step::stability) || plan.runs(Step::monte_carlo));
   const auto stability = std::ranges::find(plan.steps, Step::stability, &PlannedStep::step);

@@ -220,7 +220,7 @@ class Flipper {
   }
   /// Turned round so that it begins with the side.
   static Triangle from_side(Triangle t, std::array<Index, 2> ends) {
-    while (std::ranges::find(ends, t[2]) != ends.end()) std::ranges::rotate(t, t.begin() + 1);
+    while (std::ranges::find(ends, t[2]) != ends.end()) t = {t[1], t[2], t[0]};
     return t;
   }
 
