@@ -59,7 +59,7 @@ CLEAVE_FUZZ_TARGET(bytes) {
   const double volume = scene->domain.volume().si();
   CLEAVE_ASSERT(std::isfinite(volume) && volume > 0);
   for (const auto& joint : scene->joints) CLEAVE_ASSERT(joint.set.index() < scene->sets.size() && joint.line >= 1);
-  CLEAVE_ASSERT(make_plan(*scene).steps.size() + (scene->flow ? 0 : 1) == cleave::scene::all_steps.size());
+  CLEAVE_ASSERT(make_plan(*scene).steps.size() + (scene->flow ? 0U : 1U) == cleave::scene::all_steps.size());
   // The same text is the same scene.
   const auto again = cleave::scene::parse(input.scene, "scene.toml", only_own);
   CLEAVE_ASSERT(again && again->sha256 == scene->sha256 && again->joints.size() == scene->joints.size());
