@@ -94,7 +94,7 @@ void study_flow(study::Study& study) {
   std::vector<study::Series> series;
   add_rows(study, {"square_in_square", square_in_square(), 10.234092569 * 1000}, tolerances, series);
   for (const std::uint32_t count :
-       study.quick() ? std::vector<std::uint32_t>{500} : std::vector<std::uint32_t>{2000, 5000}) {
+       study.quick() ? std::vector<std::uint32_t>{1500} : std::vector<std::uint32_t>{2000, 5000}) {
     add_rows(study, {fmt::format("disc-{}", count), discs(count), std::nullopt}, rough, series);
   }
   study.plot("bounds", {.title = "half width of the bounds against time",
