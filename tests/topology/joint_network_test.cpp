@@ -158,6 +158,15 @@ TEST(JointNetworkTest, AnExcavationTakesJointsAway) {
   EXPECT_DOUBLE_EQ(area_of_joint(with_network(input), 1), 12);
 }
 
+TEST(JointNetworkTest, WhereAnExcavationMeetsASideItCounts) {
+  // A joint that rises from the edge in which the roof of an opening meets the west side.
+  const auto complex =
+      with_network(scene(cube(), {joint({{0, 0, 3}, {0, 4, 3}, {1, 4, 4}, {1, 0, 4}})}, {box({-1, 1, 1}, {2, 3, 3})}));
+  check(complex);
+  EXPECT_DOUBLE_EQ(border_length(complex, [](const auto& b) { return b.excavation == 0U; }), 2);
+  EXPECT_DOUBLE_EQ(border_length(complex, [](const auto& b) { return !b.excavation && b.tag == 0U; }), 2);
+}
+
 TEST(JointNetworkTest, JointsOnOneAnotherAndOnOneLine) {
   const auto lying = with_network(scene(cube(), {rectangle(2, 2, {-1, -1}, {3, 5}), rectangle(2, 2, {1, -1}, {5, 5})}));
   check(lying);
