@@ -62,6 +62,8 @@ TEST(FlowScene, SetsHaveTheirOwnAperturesAndLawsDrawOneAJoint) {
   EXPECT_NEAR(surface(drawn, "east").passed->out.si(),
               2 * cubic * (std::pow(joints[0].aperture->si(), 3) + std::pow(joints[1].aperture->si(), 3)), 1e-11);
   EXPECT_NE(*run_of("seed = 2\n" + with_box(two + law + across)).flow->joints[0].aperture, *joints[0].aperture);
+  const auto alike = run_of(with_box(level_joint(2) + level_joint(4) + law + across));
+  EXPECT_NE(*alike.flow->joints[0].aperture, *alike.flow->joints[1].aperture) << "of one set, too";
   // Strengths do not hang on whether apertures are drawn.
   EXPECT_EQ(drawn.joints[topology::JointId{0U}].strength, run_of(with_box(two)).joints[topology::JointId{0U}].strength);
 }
