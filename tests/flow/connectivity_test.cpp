@@ -60,6 +60,15 @@ TEST(ConnectivityTest, ClustersTouchInLinesNotInPoints) {
   EXPECT_TRUE(one.surfaces.surfaces.empty()) << "nothing reaches a side";
 }
 
+TEST(ConnectivityTest, ALineOfAnyLengthConnects) {
+  // The second reaches 1e-12 m over the rim of the first, or ends 1e-12 m before it.
+  for (const bool over : {true, false}) {
+    const double from = over ? 2 - 1e-12 : 2 + 1e-12;
+    const auto one = found(scene(cube(), {rectangle(2, 2, {0.5, 0.5}, {2, 2}), rectangle(0, 1, {from, 1}, {3, 3})}));
+    EXPECT_EQ(one.joints().size(), over ? 1U : 2U);
+  }
+}
+
 TEST(ConnectivityTest, WhatIsPassedOnTheWayToAnOpening) {
   // From the west side (0) over 1 to the chamber (excavation); 2 is a dead end on 1; 3 goes round by way of 1 alone, a
   // ring that leads back to where it left; 4 connects nothing.

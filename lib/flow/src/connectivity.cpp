@@ -31,7 +31,7 @@ bool share_a_joint(const JointPiece& a, const JointPiece& b) {
 class Connecting {
  public:
   Connecting(const topology::BlockComplex& complex, const JointSurfaces& surfaces)
-      : network_{*complex.network()}, surfaces_{surfaces}, mesh_{mesh_of(complex, surfaces)}, sides_{mesh_} {}
+      : network_{*complex.network()}, surfaces_{surfaces}, mesh_{mesh_as_cut(complex, surfaces)}, sides_{mesh_} {}
 
   Connectivity run() {
     find_parts();

@@ -21,6 +21,9 @@ inline constexpr Index none = UINT32_MAX;
   return std::max({size.x, size.y, size.z});
 }
 
+/// `mesh_of` with every side, however short: what hangs together is decided by no tolerance.
+[[nodiscard]] Mesh mesh_as_cut(const topology::BlockComplex& complex, const JointSurfaces& surfaces);
+
 /// The sides of a mesh, numbered in the order of their ends.
 class Sides final {
  public:

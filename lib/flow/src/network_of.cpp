@@ -68,6 +68,12 @@ JointSurfaces surfaces_of(const topology::JointNetwork& network) {
 }
 
 Mesh mesh_of(const topology::BlockComplex& complex, const JointSurfaces& surfaces) {
+  Mesh mesh = mesh_as_cut(complex, surfaces);
+  contract_short_sides(mesh);
+  return mesh;
+}
+
+Mesh mesh_as_cut(const topology::BlockComplex& complex, const JointSurfaces& surfaces) {
   CLEAVE_ASSERT(complex.network().has_value());
   const topology::JointNetwork& network = *complex.network();
   std::vector<Index> number(complex.vertices().size(), none);
@@ -92,7 +98,6 @@ Mesh mesh_of(const topology::BlockComplex& complex, const JointSurfaces& surface
     const auto& ends = network.borders[b].ends;
     mesh.borders.push_back({{point(ends[0]), point(ends[1])}, surfaces.of_border[b]});
   }
-  contract_short_sides(mesh);
   return mesh;
 }
 

@@ -79,7 +79,8 @@ class Network final {
 
 // ---- Flow -----------------------------------------------------------------------------------------------------------
 
-/// m3/s, with bounds that hold for the exact solution of the same network, up to rounding.
+/// m3/s, with bounds that hold for the exact solution of the same network, up to rounding; with drained surfaces: for
+/// one that lets water through where the last mesh does.
 struct Rate {
   double value = 0, low = 0, high = 0;
 };
