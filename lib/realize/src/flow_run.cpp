@@ -176,9 +176,11 @@ class FlowRun {
     if (f.area > Area{} && !(f.wet_area > Area{})) {
       out_.notes.emplace_back("[flow]: no joint reaches standing water, so no water flows");
     }
-    out_.notes.emplace_back(
-        "[flow]: joints are taken as full of water, above the water table too, and the rock between them as tight; the "
-        "water pressures of [flow] do not act on blocks");
+    out_.notes.emplace_back(std::string{"[flow]: joints are taken as full of water, above the water table too, and the "
+                                        "rock between them as tight"} +
+                            (acts_on_blocks(scene_) ? ""
+                                                    : "; the water pressures of [flow] do not act on blocks: with "
+                                                      "stability.water = { flow = true } they do"));
   }
 
   void find_joints() {

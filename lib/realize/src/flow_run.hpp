@@ -12,4 +12,10 @@ namespace cleave::scene {
 [[nodiscard]] std::expected<FlowResult, Problem> run_flow(const Scene& scene, const SampledScene& drawn,
                                                           const topology::BlockComplex& complex);
 
+/// Whether some load takes its water from there.
+[[nodiscard]] bool acts_on_blocks(const Scene& scene);
+/// What the water found presses on blocks.
+[[nodiscard]] stability::FlowWater water_on_blocks(const Scene& scene, const topology::BlockComplex& complex,
+                                                   const FlowResult& result);
+
 }  // namespace cleave::scene

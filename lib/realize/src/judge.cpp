@@ -17,6 +17,11 @@ double largest_target(const StabilitySettings& wanted) {
 
 stability::Actions actions_of(const SampledScene& drawn, const LoadSet& loads) {
   stability::Actions actions = loads.actions;
+  if (loads.flow && drawn.flow_water) {
+    stability::FlowWater water = *drawn.flow_water;
+    water.unit_weight = *loads.flow;
+    actions = actions.with_flow(std::move(water));
+  }
   if (loads.water_level) actions = actions.with_water_level(loads.water_level->quantile(drawn.water_quantile));
   if (actions.spec().joint_pressure.empty()) return actions;
   std::vector<std::size_t> sets;

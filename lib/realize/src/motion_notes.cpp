@@ -17,7 +17,7 @@ using topology::BlockId;
 std::string left_out_of(const LoadSet& loads) {
   const stability::ActionSpec& actions = loads.actions.spec();
   std::vector<std::string_view> out;
-  if (!loads.actions.dry()) out.emplace_back("water on joints");
+  if (!loads.dry()) out.emplace_back("water on joints");
   if (norm(loads.body.seismic()) > 0) out.emplace_back("seismic");
   if (!actions.surcharges.empty()) out.emplace_back("surcharge");
   if (!actions.points.empty()) out.emplace_back("point forces");
@@ -100,8 +100,8 @@ void add_rest_notes(const Scene& scene, MotionResult& result) {
 
 bool more_than_gravity(const LoadSet& loads) {
   const stability::ActionSpec& actions = loads.actions.spec();
-  return norm(loads.body.seismic()) > 0 || !loads.actions.dry() || !actions.surcharges.empty() ||
-         !actions.points.empty() || !actions.lines.empty();
+  return norm(loads.body.seismic()) > 0 || !loads.dry() || !actions.surcharges.empty() || !actions.points.empty() ||
+         !actions.lines.empty();
 }
 
 bool reduces_strength(const StabilitySettings& settings) {

@@ -56,7 +56,7 @@ Realizer::Done Realizer::next(const Plan& plan, std::uint64_t realization) {
   // How far the rock must be cut depends on the strengths.
   if (near_ || !made_.complex) return execute(plan);
   CLEAVE_CHECK(draw_joints());
-  for (const Step which : {Step::stability, Step::support, Step::elastic}) {
+  for (const Step which : {Step::flow, Step::stability, Step::support, Step::elastic}) {
     if (plan.runs(which)) CLEAVE_CHECK(step(which));
   }
   return {};
@@ -374,6 +374,7 @@ Realizer::Done Realizer::send_water() {
   auto flow = run_flow(*scene_, made_, made_.complex->complex());
   if (!flow) return std::unexpected(std::vector{std::move(flow).error()});
   made_.flow = *std::move(flow);
+  if (acts_on_blocks(*scene_)) made_.flow_water = water_on_blocks(*scene_, made_.complex->complex(), *made_.flow);
   return {};
 }
 

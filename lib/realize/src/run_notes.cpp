@@ -172,7 +172,7 @@ void add_border_note(const stability::DomainHeld& held, std::string_view where, 
 /// Key blocks that water lifts out of free faces below its level: what drains the face may drain the joint, too.
 void add_lifted_note(const stability::Analysis& analysis, const LoadSet& loads, const topology::BlockComplex& complex,
                      std::string_view where, std::vector<std::string>& notes) {
-  if (loads.actions.dry()) return;
+  if (loads.dry()) return;
   std::size_t count = 0;
   Volume volume;
   for (const stability::Judgement& j : analysis.judgements) {
@@ -183,8 +183,9 @@ void add_lifted_note(const stability::Analysis& analysis, const LoadSet& loads, 
   if (count == 0) return;
   notes.push_back(fmt::format(
       "{}water lifts {} key {} ({:.4g} m3): it presses in the joints behind them, not on their free faces; where the "
-      "rock is drained, state a lower `table` or `pressures`; where the opening is flooded, free_faces = true",
-      where, count, count == 1 ? "block" : "blocks", volume.si()));
+      "rock is drained, {}; where the opening is flooded, free_faces = true beside a `table`",
+      where, count, count == 1 ? "block" : "blocks", volume.si(),
+      loads.flow ? "state a lower level in [flow]" : "state a lower `table` or `pressures`"));
 }
 
 void add_lifted_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {

@@ -261,6 +261,7 @@ std::string loads_of(const scene::RunResult& result) {
   if (norm(body.seismic()) > 0) out += ", seismic force / weight " + vector(body.seismic());
   if (actions.water) out += ", water table at " + display(actions.water->level) + " m";
   if (!actions.joint_pressure.empty()) out += ", water pressure by joint set";
+  if (s.loads.flow) out += ", water pressures of the flow in the joints";
   const auto count = [&](std::size_t n, std::string_view what) {
     if (n > 0) out += ", " + std::to_string(n) + " " + std::string{what} + (n == 1 ? "" : "s");
   };

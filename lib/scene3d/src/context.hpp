@@ -50,6 +50,7 @@ struct StatedLoads {
     bool or_table = false;
   };
   std::vector<SetPressure> pressures = {};
+  std::optional<UnitWeight> flow = {};  ///< of water whose pressures [flow] finds
   std::vector<stability::Surcharge> surcharges = {};
   std::vector<stability::PointForce> points = {};
   std::vector<stability::LineForce> lines = {};
@@ -84,6 +85,9 @@ struct StatedLoads {
 [[nodiscard]] std::optional<FlowSettings> parse_flow(const TableReader& root, const Context& context,
                                                      const std::set<SetId>& used,
                                                      const std::optional<geometry::Solid>& domain);
+/// Refuses water of [flow] in loads where none is found.
+void check_flow_water(const Context& context, const StabilitySettings& stability,
+                      const std::optional<FlowSettings>& flow, bool stages, bool ensemble);
 [[nodiscard]] std::vector<ScanLine> parse_lines(const Context& context, const TableReader& root);
 [[nodiscard]] MicroBlocks parse_micro_blocks(const TableReader& root);
 

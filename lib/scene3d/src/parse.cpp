@@ -190,12 +190,12 @@ const KeyTable& scene_keys() {
       .steps = {{Step::read, {"include"}},
                 {Step::draw, {"joint_set", "joints"}},
                 {Step::cut, {"domain", "joint", "excavation", "scanline"}},
+                {Step::flow, {"flow", "joints"}},
                 {Step::stability, {"rock", "joints", "stability", "load", "sequence", "micro_blocks"}},
                 {Step::support, {"support"}},
                 {Step::monte_carlo, {"monte_carlo"}},
                 {Step::elastic, {"field_stress"}},
                 {Step::contact, {"motion"}},
-                {Step::flow, {"flow", "joints"}},
                 {Step::write, {"output"}},
                 {Step::report, {"project", "output"}}}};
   return keys;
@@ -283,6 +283,9 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
     output.only_key_blocks = false;
   }
   std::optional<MonteCarloSettings> monte_carlo = parse_monte_carlo(root);
+  if (stability.settings) {
+    check_flow_water(context, *stability.settings, flow, sequence.has_value(), monte_carlo.has_value());
+  }
   if (monte_carlo && monte_carlo->stop) {
     check_stop(root, *monte_carlo->stop, stability.settings.has_value(), output.only_key_blocks);
   }

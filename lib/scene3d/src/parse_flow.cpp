@@ -80,4 +80,26 @@ std::optional<FlowSettings> parse_flow(const TableReader& root, const Context& c
   return settings;
 }
 
+void check_flow_water(const Context& context, const StabilitySettings& stability,
+                      const std::optional<FlowSettings>& flow, bool stages, bool ensemble) {
+  const auto check = [&](const LoadSet& loads) {
+    if (!loads.flow) return;
+    const auto refuse = [&](const char* what, const char* remedy) {
+      context.problems.error(loads.line, "water.flow", what, remedy);
+    };
+    if (!flow || !flow->flows()) {
+      refuse("asks for pressures of [flow], and no water flows there",
+             "add [flow] with a level, or give water a table");
+    } else if (stages) {
+      refuse("asks for pressures of [flow], which are found for the final state, not for stages of excavation",
+             "give water a table, or judge the final state alone: one stage");
+    } else if (ensemble) {
+      refuse("asks for pressures of [flow], which does not run in ensembles",
+             "give water a table, or run one realization");
+    }
+  };
+  check(stability.loads);
+  for (const LoadCase& load : stability.cases) check(load.loads);
+}
+
 }  // namespace cleave::scene

@@ -31,6 +31,8 @@ const KeyTable& water_keys() {
       .keys = {
           {"table", number_or_law<rule::coordinate>(), "",
            "level of the water table, m; a law: one level a realization (a single run has that of realization 0)"},
+          {"flow", key::flag(), "false",
+           "true: the pressures that [flow] finds in the joints, in place of a table; single runs without stages"},
           {"unit_weight", key::number(weight_rule), "9810", "N/m3"},
           {"free_faces", key::flag(), "false", "true: water also presses on free faces (a lake, a flooded opening)"},
           {"pressures", key::named(key::number(joint_pressure_rule)), "",
@@ -88,8 +90,13 @@ std::optional<stability::WaterTable> parse_water(const Context& context, const T
   const auto found = owner.sub("water");
   if (!found) return std::nullopt;
   const TableReader& table = *found;
-  if (!table.has("table") && !table.has("pressures")) {
-    table.missing("table", "add table = 20.0 (its level, m) or pressures = { SET = Pa }");
+  const bool by_flow = table.flag("flow");
+  if (!table.has("table") && !table.has("pressures") && !by_flow) {
+    table.missing("table", "add table = 20.0 (its level, m), pressures = { SET = Pa }, or flow = true beside [flow]");
+  }
+  for (const string_view key : {"table", "pressures", "free_faces"}) {
+    if (by_flow && table.has(key))
+      table.error(key, "stands beside flow = true", "the pressures are those of [flow]: remove one");
   }
   if (const TomlTable* pressures = table.table("pressures")) {
     for (const TomlEntry& entry : pressures->entries) {
@@ -114,6 +121,10 @@ std::optional<stability::WaterTable> parse_water(const Context& context, const T
   if (law && law->kind != FrictionLaw::Kind::constant) loads.water_level = *law;
   const UnitWeight unit_weight = newtons_per_cubic_metre(table.value("unit_weight"));
   const bool free_faces = table.flag("free_faces");
+  if (by_flow) {
+    loads.flow = unit_weight;
+    return std::nullopt;
+  }
   if (!level) {
     for (const string_view key : {"unit_weight", "free_faces"}) {
       if (!table.has("table") && table.has(key)) table.error(key, "has a meaning beside table only", "remove it");
@@ -180,6 +191,7 @@ void add_pressures(StatedLoads& sum, const StatedLoads& part, double factor) {
 void add(StatedLoads& sum, const StatedLoads& part, double factor) {
   add_pressures(sum, part, factor);
   sum.seismic += factor * part.seismic;
+  if (part.flow) sum.flow = std::max(sum.flow.value_or(UnitWeight{}), factor * *part.flow);
   if (part.water) {
     stability::WaterTable water = *part.water;
     water.unit_weight *= factor;
@@ -293,7 +305,15 @@ StatedLoads parse_load_set(const Context& context, const TableReader& table,
 }
 
 LoadSet checked(const Context& context, const StatedLoads& loads, geometry::Vec3 gravity) {
-  LoadSet out{.water_level = loads.water_level, .line = loads.line};
+  LoadSet out{.water_level = loads.water_level, .flow = loads.flow, .line = loads.line};
+  if (loads.flow && (loads.water || !loads.pressures.empty())) {
+    context.problems.error(loads.line, "water", "is that of [flow] and a table or pressures as well",
+                           "give one of them: both press in the same joints");
+  }
+  if (loads.flow && (gravity.x != 0 || gravity.y != 0 || gravity.z > 0)) {
+    context.problems.error(loads.line, "water.flow", "needs gravity straight down: heads of [flow] are counted along z",
+                           "give a table, or leave gravity at its default");
+  }
   if (const auto body = stability::Loads::make(gravity, loads.seismic)) {
     out.body = *body;
   } else {
@@ -302,6 +322,7 @@ LoadSet checked(const Context& context, const StatedLoads& loads, geometry::Vec3
   stability::ActionSpec spec{.water = loads.water,
                              .joint_pressure = {},
                              .or_table = {},
+                             .flow = {},
                              .surcharges = loads.surcharges,
                              .points = loads.points,
                              .lines = loads.lines};
@@ -352,12 +373,13 @@ std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader
     own.push_back(loads);
     StatedLoads total = base;
     // Water of the case takes the place of that of [stability]; forces add up.
-    if (loads.water) {
-      if (table.has("combine") && base.water && loads.water->unit_weight < base.water->unit_weight) {
+    if (loads.water || loads.flow) {
+      if (loads.water && table.has("combine") && base.water && loads.water->unit_weight < base.water->unit_weight) {
         table.note("combine", "makes water lighter than that of [stability], whose place it takes",
                    "where that lies deep it presses less: give this load a water of its own");
       }
       total.water.reset();
+      total.flow.reset();
       total.water_level.reset();
       total.pressures.clear();
     }

@@ -2,10 +2,40 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
+#include "cleave/core/assert.hpp"
+
 namespace cleave::stability {
+
+namespace {
+
+/// Of water that flows.
+std::optional<std::string> wrong_with(const ActionSpec& spec) {
+  const FlowWater& flow = *spec.flow;
+  if (spec.water || !spec.joint_pressure.empty())
+    return "that of the flow stands beside a table or pressures; give one";
+  if (!std::isfinite(flow.unit_weight.si()) || flow.unit_weight < UnitWeight{}) {
+    return fmt::format("unit weight {} N/m3 is not >= 0; water has 9810", flow.unit_weight.si());
+  }
+  for (const FlowWater::Contact& contact : flow.contacts) {
+    if (!geometry::is_finite(contact.heads) || !geometry::is_finite(contact.at)) {
+      return fmt::format("what flows against block {} is not finite", contact.block.index());
+    }
+  }
+  for (const FlowWater::Standing& side : flow.standing) {
+    if (!std::isfinite(side.level)) return "a level of standing water is not finite; give metres";
+  }
+  if (!std::ranges::is_sorted(flow.contacts, {}, &FlowWater::Contact::block)) {
+    return "contacts are not in the order of their blocks; sort them";
+  }
+  return std::nullopt;
+}
+
+}  // namespace
 
 std::string describe(const BadAction& error) { return fmt::format("{}: {}", error.which, error.what); }
 
@@ -23,6 +53,9 @@ std::expected<Actions, BadAction> Actions::make(ActionSpec spec) {
     if (pressure && (!std::isfinite(*pressure) || *pressure < 0)) {
       return bad("water", fmt::format("pressure {} Pa is not >= 0; suction does not hold rock", *pressure));
     }
+  }
+  if (spec.flow) {
+    if (auto wrong = wrong_with(spec)) return bad("water", *std::move(wrong));
   }
   for (std::size_t i = 0; i < spec.surcharges.size(); ++i) {
     const Surcharge& s = spec.surcharges[i];
@@ -57,6 +90,13 @@ std::expected<Actions, BadAction> Actions::make(ActionSpec spec) {
 Actions Actions::with_water_level(double level) const {
   Actions other = *this;
   if (other.spec_.water) other.spec_.water->level = level;
+  return other;
+}
+
+Actions Actions::with_flow(FlowWater water) const {
+  Actions other = *this;
+  other.spec_.flow = std::move(water);
+  CLEAVE_ASSERT(!wrong_with(other.spec_));
   return other;
 }
 

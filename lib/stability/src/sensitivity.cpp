@@ -15,6 +15,7 @@ Settings with_factors(Settings settings, double friction, double cohesion, doubl
   auto partial = PartialFactors::make(p.friction() / friction, p.cohesion() / cohesion, p.weight());
   ActionSpec spec = settings.actions.spec();
   if (spec.water) spec.water->unit_weight *= water;
+  if (spec.flow) spec.flow->unit_weight *= water;
   for (auto& pressure : spec.joint_pressure) {
     if (pressure) *pressure *= water;
   }

@@ -67,8 +67,22 @@ ForceSum water_forces(const BlockComplex& complex, const Actions& actions, Vec3 
     if (!(m.total > 0)) return;
     sum.add(-m.total * face.outward, m.first / m.total - block.centroid);
   };
+  if (spec.flow) {
+    const FlowWater& flow = *spec.flow;
+    for (const auto& [own, neighbour, heads, at] :
+         std::ranges::equal_range(flow.contacts, id, {}, &FlowWater::Contact::block)) {
+      if (there(neighbour)) sum.add(flow.unit_weight.si() * heads, at - block.centroid);
+    }
+  }
   for (const topology::FaceId face_id : block.faces) {
     const Face& face = complex.faces()[face_id];
+    if (face.role == topology::Role::free && spec.flow && !face.excavation) {
+      const auto still =
+          std::ranges::find_if(spec.flow->standing, [&](const auto& side) { return side.tag == face.tag; });
+      if (still != spec.flow->standing.end() && g > 0) {
+        push(face, over_face(complex, face, {spec.flow->unit_weight.si(), still->level, Vec3{0, 0, 1}}));
+      }
+    }
     if (face.role == topology::Role::free) {
       if (table && spec.water->on_free_faces) push(face, over_face(complex, face, *table));
       continue;

@@ -281,6 +281,7 @@ struct SampledScene {
   IdVector<topology::JointId, JointInfo> joints = {};  ///< as many as input.joints, same order
   double seismic_factor = 1;                           ///< of this realization
   double water_quantile = 0.5;                         ///< of this realization: u of the laws of water tables
+  std::optional<stability::FlowWater> flow_water = {};  ///< that [flow] found, where loads ask for it
 };
 
 /// What one realization of a scene came to: the blocks and all that was judged of them.

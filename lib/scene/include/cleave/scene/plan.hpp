@@ -23,19 +23,19 @@ enum class Step : std::uint8_t {
   draw,
   cut,
   audit,
+  flow,  ///< only in plans of scenes with [flow]
   stability,
   support,
   monte_carlo,
   elastic,
   contact,
-  flow,  ///< only in plans of scenes with [flow]
   write,
   report
 };
 
-inline constexpr std::array all_steps{Step::read,      Step::draw,    Step::cut,         Step::audit,
-                                      Step::stability, Step::support, Step::monte_carlo, Step::elastic,
-                                      Step::contact,   Step::flow,    Step::write,       Step::report};
+inline constexpr std::array all_steps{Step::read,    Step::draw,      Step::cut,     Step::audit,
+                                      Step::flow,    Step::stability, Step::support, Step::monte_carlo,
+                                      Step::elastic, Step::contact,   Step::write,   Step::report};
 
 /// "read", "draw", ... as in summary.json: the enumerators.
 [[nodiscard]] std::string_view name_of(Step step) noexcept;

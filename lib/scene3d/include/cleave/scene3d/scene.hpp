@@ -137,7 +137,10 @@ struct LoadSet {
   /// Joint pressures are those of the sets, by their number. The water table is at its median level.
   stability::Actions actions = {};
   std::optional<NumberLaw> water_level = {};  ///< m: of a table whose level is drawn once a realization
+  std::optional<UnitWeight> flow = {};        ///< of water whose pressures [flow] finds, in place of other water
   std::uint32_t line = 1;                     ///< in the scene file
+  /// No water at all.
+  [[nodiscard]] bool dry() const noexcept { return actions.dry() && !flow; }
 };
 
 /// A [[load]]: the loads of [stability] and its own, judged apart.

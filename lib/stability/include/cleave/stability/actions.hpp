@@ -34,6 +34,25 @@ struct ExcavationWall {
 };
 using FreeSurface = std::variant<AnyFreeFace, DomainSide, ExcavationWall>;
 
+/// Water in the joints of one cut as a computation of flow found it, in place of a table. Pressures are unit weight
+/// times head of pressure.
+struct FlowWater {
+  /// What water in the contact of two blocks does to one of them.
+  struct Contact {
+    topology::BlockId block, neighbour;
+    geometry::Vec3 heads;  ///< m3: integral of the head of pressure over the contact, towards `block`
+    geometry::Vec3 at;     ///< m: where the resultant acts
+  };
+  /// Still water before a free side of the domain.
+  struct Standing {
+    std::uint32_t tag;  ///< of the domain solid
+    double level;       ///< m, z
+  };
+  UnitWeight unit_weight = newtons_per_cubic_metre(9810);
+  std::vector<Contact> contacts = {};  ///< by block, ascending
+  std::vector<Standing> standing = {};
+};
+
 using geometry::Box;
 
 /// A load on the part of a free surface inside a box. `traction` acts as given; `pressure` pushes against the rock
@@ -65,6 +84,8 @@ struct ActionSpec {
   std::vector<std::optional<double>> joint_pressure = {};
   /// By joint number, shorter lists end with 0: 1 where the table counts, too, on contacts where it presses more.
   std::vector<std::uint8_t> or_table = {};
+  /// Beside neither table nor joint pressures.
+  std::optional<FlowWater> flow = {};
   std::vector<Surcharge> surcharges = {};
   std::vector<PointForce> points = {};
   std::vector<LineForce> lines = {};
@@ -76,16 +97,19 @@ struct BadAction {
 };
 [[nodiscard]] std::string describe(const BadAction& error);
 
-/// Checked actions. Invariant: finite; unit weight and joint pressures >= 0; boxes and lines not reversed or empty.
+/// Checked actions. Invariant: finite; unit weights and joint pressures >= 0; water of one kind; contacts of flow in
+/// order; boxes and lines not reversed or empty.
 class Actions final {
  public:
   Actions() = default;
   [[nodiscard]] static std::expected<Actions, BadAction> make(ActionSpec spec);
   [[nodiscard]] const ActionSpec& spec() const noexcept { return spec_; }
   /// No water at all, so that what acts on a block does not depend on its neighbours.
-  [[nodiscard]] bool dry() const noexcept { return !spec_.water && spec_.joint_pressure.empty(); }
+  [[nodiscard]] bool dry() const noexcept { return !spec_.water && !spec_.flow && spec_.joint_pressure.empty(); }
   /// The same with the water table, where there is one, at this level. Precondition: finite.
   [[nodiscard]] Actions with_water_level(double level) const;
+  /// The same with this water in the joints. Precondition: no other; finite, unit weight >= 0, contacts in order.
+  [[nodiscard]] Actions with_flow(FlowWater water) const;
   /// The same with the pressure of entry `from[k]` in joint k; an entry beyond the list is none.
   [[nodiscard]] Actions with_pressures_of(std::span<const std::size_t> from) const;
 
