@@ -19,7 +19,7 @@ std::string plane(double x, double y, double z, double dip, double direction) {
 std::string side(const std::string& face, double level) {
   return "[[flow.side]]\nface = \"" + face + "\"\nlevel = " + std::to_string(level) + "\n";
 }
-const std::string strength = "[joints.default]\nfriction = 30\naperture = 1e-3\n";
+const std::string strength = "[joints.default]\nfriction = 20\naperture = 1e-3\n";
 /// A slab that slides to the east on a plane of 30 degrees, parted from the rock behind and beside it.
 const std::string slab =
     plane(4, 4, 3, 30, 90) + plane(1.5, 4, 3, 80, 90) + plane(4, 2, 3, 90, 0) + plane(4, 6, 3, 90, 0);
@@ -49,8 +49,7 @@ TEST(FlowWaterScene, StillWaterPressesAsATableDoes) {
   const auto table = run_of(with_box(slab + strength + open + "water = { table = 5, free_faces = true }\n"));
   expect_same_forces(flow, table);
   const auto dry = run_of(with_box(slab + strength + open));
-  EXPECT_LT(flow.analysis->judgements.front().factor_of_safety,
-            0.9 * dry.analysis->judgements.front().factor_of_safety);
+  EXPECT_LT(flow.analysis->judgements.front().driving, 0.9 * dry.analysis->judgements.front().driving) << "it floats";
   // Heavier water, and water elsewhere: origin far away.
   const auto heavy =
       run_of(with_box(slab + strength + open + "water = { flow = true, unit_weight = 10300 }\n[flow]\n" + flooded));
@@ -58,7 +57,6 @@ TEST(FlowWaterScene, StillWaterPressesAsATableDoes) {
                                             "water = { table = 5, unit_weight = 10300, free_faces = true }\n")));
   EXPECT_EQ(notes_with(flow, "do not act on blocks"), 0U);
   EXPECT_EQ(notes_with(run_of(with_box(slab + strength + open + "[flow]\n" + flooded)), "do not act on blocks"), 1U);
-  EXPECT_GT(flow.sensitivity.front().water[0], flow.sensitivity.front().water[1]) << "the water counts there, too";
 }
 
 TEST(FlowWaterScene, PressureFallsEvenlyToAnOpenFace) {
@@ -94,7 +92,9 @@ TEST(FlowWaterScene, AJointThatOpenedIsDrained) {
   // lower one is gone.
   const std::string stack = plane(3, 4, 3, 90, 90) + plane(5, 4, 3, 90, 90) + plane(4, 3, 3, 90, 0) +
                             plane(4, 5, 3, 90, 0) + plane(4, 4, 4, 0, 0) + plane(4, 4, 5, 0, 0);
-  const std::string tunnel = "[[excavation]]\nname = \"adit\"\nkind = \"box\"\nmin = [2, 2, 1]\nmax = [6, 6, 3]\n";
+  const std::string tunnel =
+      "[[excavation]]\nname = \"adit\"\nkind = \"tunnel\"\nsection = { shape = \"rectangle\", width = 4, height = 2 "
+      "}\naxis = [[4, 2, 2], [4, 6, 2]]\n";
   const auto wet = run_of(with_box(stack + tunnel + "[joints.default]\nfriction = 0\naperture = 1e-3\n[stability]\n" +
                                    "water = { flow = true }\n[flow]\nlevel = 30\n"));
   const auto dry = run_of(with_box(stack + tunnel + "[joints.default]\nfriction = 0\n[stability]\n"));
@@ -110,7 +110,8 @@ TEST(FlowWaterScene, AJointThatOpenedIsDrained) {
   // What drives the second: its weight and the water above it, none below.
   const auto lifted = [&] {
     for (const auto& contact : wet.flow_water->contacts) {
-      if (contact.heads.z < -1e-3 && std::abs(contact.at.z - 5) < 1e-6 && std::abs(contact.at.x - 4) < 0.1) {
+      if (contact.heads.z < -1e-3 && std::abs(contact.at.z - 5) < 1e-6 && std::abs(contact.at.x - 4) < 0.1 &&
+          std::abs(contact.at.y - 4) < 0.1) {
         return -9810 * contact.heads.z;
       }
     }
@@ -121,16 +122,17 @@ TEST(FlowWaterScene, AJointThatOpenedIsDrained) {
 }
 
 TEST(FlowWaterScene, LoadsMayTakeTheirWaterThere) {
-  const std::string scene = slab + strength + open + "[flow]\n" + still;
+  const std::string scene = slab + strength + open + "[flow]\n" + side("west", 6);
   const auto result = run_of(with_box(scene + "[[load]]\nname = \"rain\"\nwater = { flow = true }\n" +
                                       "[[load]]\nname = \"more\"\ncombine = { rain = 1.5 }\n"));
-  const auto alone = run_of(with_box(slab + strength + open + "water = { flow = true }\n[flow]\n" + still));
+  const auto alone = run_of(with_box(slab + strength + open + "water = { flow = true }\n[flow]\n" + side("west", 6)));
   const double dry = result.analysis->judgements.front().factor_of_safety;
   const double rain = result.load_cases[0].analysis.judgements.front().factor_of_safety;
   const double more = result.load_cases[1].analysis.judgements.front().factor_of_safety;
   EXPECT_LT(rain, dry);
   EXPECT_LT(more, rain);
   EXPECT_NEAR(rain, alone.analysis->judgements.front().factor_of_safety, 1e-12);
+  EXPECT_GT(alone.sensitivity.front().water[0], alone.sensitivity.front().water[1]);
   EXPECT_EQ(make_plan(scene_of(with_box(scene))).runs(Step::flow), true);
 }
 
@@ -152,8 +154,10 @@ TEST(FlowWaterScene, WhatCannotBeIsSaid) {
   EXPECT_TRUE(wrong("water = {}", flow).contains("or flow = true"));
   EXPECT_TRUE(wrong("water = { flow = true }",
                     flow +
-                        "[[excavation]]\nname = \"a\"\nkind = \"box\"\nmin = [2, 2, 1]\nmax = [3, 3, 2]\nstage = 1\n" +
-                        "[[excavation]]\nname = \"b\"\nkind = \"box\"\nmin = [5, 5, 1]\nmax = [6, 6, 2]\nstage = 2\n")
+                        "[[excavation]]\nname = \"a\"\nkind = \"tunnel\"\nsection = { shape = \"rectangle\", width = "
+                        "1, height = 1 }\naxis = [[2, 2, 1], [2, 4, 1]]\nstage = 1\n" +
+                        "[[excavation]]\nname = \"b\"\nkind = \"tunnel\"\nsection = { shape = \"rectangle\", width = "
+                        "1, height = 1 }\naxis = [[5, 2, 1], [5, 4, 1]]\nstage = 2\n")
                   .contains("stages of excavation"));
 }
 
