@@ -181,10 +181,8 @@ void add_lifted_note(const stability::Analysis& analysis, const LoadSet& loads, 
     volume += complex.blocks()[j.block].volume;
   }
   if (count == 0) return;
-  notes.push_back(fmt::format(
-      "{}water lifts {} key {} ({:.4g} m3): it presses in the joints behind them, not on their free faces; where the "
-      "rock is drained, state a lower `table` or `pressures`; where the opening is flooded, free_faces = true",
-      where, count, count == 1 ? "block" : "blocks", volume.si()));
+  notes.push_back(
+      note_on_lifted(where, fmt::format("{} key {} ({:.4g} m3)", count, count == 1 ? "block" : "blocks", volume.si())));
 }
 
 void add_lifted_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
@@ -334,6 +332,13 @@ void add_taper_notes(const Realization& made, std::vector<std::string>& notes) {
 }
 
 }  // namespace
+
+std::string note_on_lifted(std::string_view where, std::string_view how_many) {
+  return fmt::format(
+      "{}water lifts {}: it presses in the joints behind them, not on their free faces; where the rock is drained, "
+      "state a lower `table` or `pressures`; where the opening is flooded, free_faces = true",
+      where, how_many);
+}
 
 void add_barred_note(const std::vector<stability::Barred>& barred, bool too_many, std::vector<std::string>& notes) {
   if (barred.empty()) return;
