@@ -6,7 +6,8 @@ summary.json says with those that `cost` has booked; `cleave plan` must say the 
 ensemble are booked together as monte_carlo and apart in `realization_cost`; of an ensemble one realization is replayed
 and, where it has enough, one shard is run, by the same rule. Of the examples that are planned alike and have the same
 tables the quickest is run, with --all (at night) every one. Scenes that take longer than S seconds (20) are left out;
-kinds of which two were are counted. Those of `cleave init` must end well, however long they take.
+kinds of which two were are counted. Those of `cleave init` must be planned and end well, however long they take, and so
+must be planned what `cleave check` takes for a scene.
 """
 import argparse
 import json
@@ -37,10 +38,12 @@ def booked_as_planned(folder):
 
 
 def plan_of(program, scene):
-    """Stages planned and seconds estimated; None where the file is no scene of its own."""
+    """Stages planned and seconds estimated; None where the file is no scene of its own, what was said where it is one."""
     said = subprocess.run([program, "plan", scene], capture_output=True, text=True)
     if said.returncode != 0:
-        return None
+        checked = subprocess.run([program, "check", scene], capture_output=True, text=True)
+        is_scene = checked.returncode == 0 or not scene.is_relative_to(ROOT)
+        return f"cleave plan ended with {said.returncode}: {said.stderr.strip()}" if is_scene else None
     estimate = re.search(r"^estimated size: .*? ([0-9.e+-]+) s of CPU", said.stdout, re.M)
     return re.findall(r"^  (\w+) +run ", said.stdout, re.M), float(estimate.group(1)) if estimate else 0.0
 
@@ -103,7 +106,11 @@ def main():
             made.write_text(subprocess.run([given.program, "init", kind], capture_output=True, text=True).stdout)
             scenes.append(made)
         plans = {scene: plan_of(given.program, scene) for scene in scenes if given.pattern in str(scene)}
-        plans = {scene: plan for scene, plan in plans.items() if plan}
+        for scene, refused in plans.items():
+            if isinstance(refused, str):
+                wrong += 1
+                print(f"{scene.name}: {refused}")
+        plans = {scene: plan for scene, plan in plans.items() if isinstance(plan, tuple)}
         for kind in [[scene] for scene in plans] if given.all else by_kind(plans):
             for scene in kind[:2]:
                 planned, seconds = plans[scene]

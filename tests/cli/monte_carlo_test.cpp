@@ -67,7 +67,7 @@ TEST_F(MonteCarloTest, LoadCasesAreAnEnsembleOfTheirOwn) {
     const json alone = section("alone");
     EXPECT_FALSE(alone.contains("load_cases"));
     const json& found = cases[0]["quantities"];
-    ASSERT_EQ(found.size(), kind == "groups" ? 36U : kind == "support" ? 28U : 17U);
+    ASSERT_EQ(found.size(), kind == "groups" ? 37U : kind == "support" ? 29U : 18U);
     for (const auto& [name, figures] : found.items()) {
       for (const char* part : {"mean", "standard_error", "low", "high"}) {
         EXPECT_EQ(figures[part], alone["quantities"][name][part]) << name << " " << part;
@@ -96,6 +96,74 @@ TEST_F(MonteCarloTest, StagesThatAreNotCountedAreSaid) {
   write("s.toml", scene("realizations = 3") + second);
   ASSERT_EQ(cleave("run s.toml -o out").code, 0);
   EXPECT_TRUE(read("out/log.txt").contains(stages));
+}
+
+// A slab of 1 m in the floor, dry and under a table 3 m above it. The scene has no excavation.
+const std::string slab_in_the_floor = R"([domain]
+box = { min = [0, 0, 0], max = [8, 8, 6] }
+[[joint]]
+plane = { through = [4, 4, 5], dip = 0, dip_direction = 0 }
+[[joint]]
+plane = { through = [2, 4, 5], dip = 90, dip_direction = 90 }
+[[joint]]
+plane = { through = [6, 4, 5], dip = 90, dip_direction = 90 }
+[[joint]]
+plane = { through = [4, 2, 5], dip = 90, dip_direction = 0 }
+[[joint]]
+plane = { through = [4, 6, 5], dip = 90, dip_direction = 0 }
+[joints.default]
+friction = 30
+[rock]
+density = 2700
+[stability]
+free = ["top"]
+)";
+
+// Ensembles say what water lifts, as single runs do: of the base case and of each load case.
+TEST_F(MonteCarloTest, WaterThatLiftsKeyBlocksIsSaid) {
+  const auto run = [&](const std::string& loads) {
+    write("s.toml", slab_in_the_floor + loads + "[monte_carlo]\nrealizations = 2\n");
+    EXPECT_EQ(cleave("run s.toml -o out --quiet").code, 0);
+    return section("out");
+  };
+  const std::string said = "water lifts in the mean 1 key blocks a realization: it presses in the joints behind them";
+  const json flood = run("[[load]]\nname = \"flood\"\nwater = { table = 9 }\n");
+  EXPECT_EQ(flood["quantities"]["lifted_count"]["mean"], 0);
+  EXPECT_EQ(flood["load_cases"][0]["quantities"]["lifted_count"]["mean"], 1);
+  EXPECT_TRUE(flood["notes"].dump().contains("\"load case flood: " + said));
+  EXPECT_FALSE(flood["notes"].dump().contains("\"" + said));
+  EXPECT_TRUE(run("water = { table = 9 }\n")["notes"].dump().contains("\"" + said));
+  // What an earthquake lifts is no matter of water.
+  const json quake = run("seismic = [0, 0, 1.5]\n");
+  EXPECT_EQ(quake["quantities"]["lifted_count"]["mean"], 1);
+  EXPECT_FALSE(quake["notes"].dump().contains("water lifts"));
+}
+
+// A pressure over the area of excavations is none, with a reason, where there are none.
+TEST_F(MonteCarloTest, WithoutExcavationsNoPressureIsOverTheirArea) {
+  write("s.toml", slab_in_the_floor + "seismic = [0, 0, 1.5]\n[monte_carlo]\nrealizations = 2\n");
+  ASSERT_EQ(cleave("run s.toml -o out --quiet").code, 0);
+  const json bare = section("out");
+  EXPECT_FALSE(bare["quantities"].contains("support_pressure_pa"));
+  EXPECT_GT(bare["quantities"]["largest_support_pressure_pa"]["mean"].get<double>(), 1e4);
+  EXPECT_TRUE(bare["notes"].dump().contains("no opening over whose area")) << bare["notes"];
+  for (const json& row : bare["pressure_exceedance"]) {
+    for (const char* name : {"probability", "low", "high"}) EXPECT_TRUE(row[name].is_null()) << row;
+    EXPECT_EQ(row["reason"], "no opening over whose area it would be");
+    EXPECT_TRUE(row["block_probability"].is_number());
+  }
+  EXPECT_FALSE(bare.contains("free_area_fixed_share"));
+  write("t.toml",
+        slab_in_the_floor +
+            "[monte_carlo]\nstop = { quantity = \"support_pressure\", relative_half_width = 0.2, max = 9 }\n");
+  const Ended stop = cleave("check t.toml");
+  EXPECT_EQ(stop.code, 2);
+  EXPECT_TRUE(stop.err.contains("is over the area of excavations, and there are none")) << stop.err;
+  // With an excavation and no key block it is 0.
+  write("u.toml", scene("realizations = 2"));
+  ASSERT_EQ(cleave("run u.toml -o opened --quiet").code, 0);
+  EXPECT_TRUE(section("opened")["quantities"]["support_pressure_pa"]["mean"].is_number());
+  EXPECT_FALSE(section("opened")["notes"].dump().contains("no opening"));
 }
 
 // What the openings take is the same in all realizations: told once, with the share that misses the rock.
@@ -388,6 +456,7 @@ TEST_F(MonteCarloTest, StopsAtTheStatedPrecisionOrSaysThatItDidNot) {
   EXPECT_EQ(mc["realizations"], 100);
   const json& stop = mc["stop"];
   EXPECT_EQ(stop["rule"], "fixed_looks");
+  EXPECT_EQ(mc["interval_kind"], "sequential, fixed looks");
   const double mean = mc["quantities"]["block_count"]["mean"],
                error = mc["quantities"]["block_count"]["standard_error"];
   EXPECT_NEAR(stop["half_width_at_stop"], 1.959964 * error, 1e-5 * error);
@@ -399,6 +468,7 @@ TEST_F(MonteCarloTest, StopsAtTheStatedPrecisionOrSaysThatItDidNot) {
   ASSERT_EQ(cleave("run v.toml -o valid --quiet").code, 0);
   const json valid = section("valid");
   EXPECT_EQ(valid["stop"]["rule"], "always_valid");
+  EXPECT_EQ(valid["interval_kind"], "of a fixed number, stopped by a confidence sequence");
   EXPECT_GT(valid["stop"]["half_width_at_stop"].get<double>(),
             1.5 * 1.959964 * valid["quantities"]["block_count"]["standard_error"].get<double>());
   write("t.toml", scene("stop = { quantity = \"block_count\", relative_half_width = 1e-6, max = 120 }"));

@@ -133,6 +133,11 @@ TEST(TerminalTest, SupportAndMotion) {
                     "1.0e-03\n"))
       << text;
   EXPECT_NE(log_of(r).find("\nresult\n" + text), std::string::npos);
+  // Where motion was refused no block was let go: it is not that none moved.
+  r.motion = scene::MotionResult{.stopped_why = "refused: blocks overlap at the start", .refused = true};
+  const std::string refused = figures_of(r);
+  EXPECT_TRUE(holds(refused, "\nmotion       nothing ran; refused: blocks overlap at the start\n")) << refused;
+  EXPECT_FALSE(refused.contains("blocks moved"));
 }
 
 // What passes in the end may fail on the way there, or under load: the first line says so.

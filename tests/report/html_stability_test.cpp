@@ -508,5 +508,13 @@ TEST(StabilityTables, BoltsThatActedInMotion) {
   EXPECT_TRUE(motion_section(motion).contains("1 tie blocks that are let go, 1 of them broke; largest force 2.5 kN"));
 }
 
+// Of motion that was refused there are no figures: nothing ran, and why.
+TEST(StabilityTables, RefusedMotionHasNoFigures) {
+  const scene::MotionResult refused{.stopped_why = "refused: a < b", .refused = true};
+  const std::string section = motion_section(refused);
+  EXPECT_TRUE(section.contains("Nothing ran; refused: a &lt; b.</p></section>")) << section;
+  EXPECT_FALSE(section.contains("<table"));
+}
+
 }  // namespace
 }  // namespace cleave::report::html_stability_test

@@ -324,9 +324,9 @@ TEST(KeyBlocksCsv, RowsAreTheRemovableBlocksThatWouldMoveWithoutFriction) {
                          judgement(4, stability::Mode::lifting, 2, 0.1)};
   const std::string csv = key_blocks_csv(complex, result_of(analysis));
   EXPECT_EQ(csv.substr(header.size() + places.size()),
-            "0,1,1,falling,0.125,1000,0,0,-1,800,0,6,3;12,0,0,0,,,0,,,0,0.8660254037844386\n"
-            "3,,0,wedge,0.125,1000,0,0,-1,800,inf,6,3;12,0,0,0,,,0,,,0,0.8660254037844386\n"
-            "4,2,1,lifting,0.125,1000,0,0,-1,800,0.1,6,3;12,0,0,0,,,0,,,0,0.8660254037844386\n");
+            "0,1,1,falling,0.125,1000,0,0,-1,800,0,6,3;12,0,0,0,,,0,,,,0.8660254037844386\n"
+            "3,,0,wedge,0.125,1000,0,0,-1,800,inf,6,3;12,0,0,0,,,0,,,,0.8660254037844386\n"
+            "4,2,1,lifting,0.125,1000,0,0,-1,800,0.1,6,3;12,0,0,0,,,0,,,,0.8660254037844386\n");
 }
 
 TEST(KeyBlocksCsv, ColumnsAfterForceTransferFollow) {
@@ -348,8 +348,8 @@ TEST(KeyBlocksCsv, ColumnsAfterForceTransferFollow) {
           "net_force_n_transferred,factor_of_safety_transferred,passed_n_transferred,untransferred_n,"
           "lost_n_transferred" +
           places +
-          "0,1,1,sliding,1,1000,0,0,-1,800,0.5,6,7,1,wedge,1,0,0,900,0.25,900,0,0,0,0,0,,,0,,,0,1.7320508075688772\n"
-          "1,,0,wedge,1,1000,0,0,-1,800,2,6,7,0,wedge,0,0,-1,800,2,0,0,0,0,0,1,,,0,,,0,1.7320508075688772\n");
+          "0,1,1,sliding,1,1000,0,0,-1,800,0.5,6,7,1,wedge,1,0,0,900,0.25,900,0,0,0,0,0,,,0,,,,1.7320508075688772\n"
+          "1,,0,wedge,1,1000,0,0,-1,800,2,6,7,0,wedge,0,0,-1,800,2,0,0,0,0,0,1,,,0,,,,1.7320508075688772\n");
 }
 
 // docs/results.md holds what the columns say of themselves; CLEAVE_GOLDEN=1 in the environment writes it anew, unless a

@@ -17,6 +17,7 @@
 #include "cleave/core/progress.hpp"
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/realize/monte_carlo.hpp"
+#include "cleave/realize/places.hpp"
 #include "cleave/realize/run.hpp"
 #include "run_scene.hpp"
 
@@ -549,6 +550,40 @@ TEST(KeyBlocksScene, CutsFromAboveHaveOnePart) {
   EXPECT_FALSE(ensemble_options_of(scene).at_parts);
   EXPECT_GT(record.support->pressures[std::to_underlying(stochastic::Part::faces)].si(), 7e4);
   EXPECT_EQ(record.support->pressures[std::to_underlying(stochastic::Part::roof)].si(), 0);
+}
+
+/// Of the only key block.
+double depth_of(const std::string& text) {
+  const RunResult run = run_of(text);
+  const topology::BlockComplex& complex = run.complex->complex();
+  const auto key = std::ranges::find_if(run.analysis->judgements, &stability::Judgement::key);
+  EXPECT_NE(key, run.analysis->judgements.end());
+  EXPECT_EQ(run.figures.key_blocks->count, 1U);
+  return place_of(run, complex, key->block, joints_of(complex, key->block)).depth.value().si();
+}
+
+// How far a block reaches into the rock is a matter of its faces, not of its corners, which may all lie on free faces.
+TEST(KeyBlocksScene, DepthIsThatOfTheFacesThatHoldABlock) {
+  EXPECT_NEAR(depth_of(roof_cube(90)), 2, 1e-9);
+  const auto in_box = [](std::string_view joints, std::string_view free) {
+    return fmt::format(
+        "[domain]\nbox = {{ min = [0, 0, 0], max = [8, 8, 6] }}\n{}[joints.default]\nfriction = 10\n[rock]\n"
+        "density = 2700\n[stability]\nfree = [{}]\n",
+        joints, free);
+  };
+  const auto plane = [](std::string_view through, double dip, double direction) {
+    return fmt::format("[[joint]]\nplane = {{ through = [{}], dip = {}, dip_direction = {} }}\n", through, dip,
+                       direction);
+  };
+  // The corner of a box, 3 m along each of its edges: the middle of the joint is 1 m behind each side.
+  const double steep = std::atan(std::numbers::sqrt2) * 180 / std::numbers::pi;
+  EXPECT_NEAR(depth_of(in_box(plane("5, 8, 6", steep, 45), "\"top\", \"east\", \"north\"")), 1, 1e-3);
+  // Its edge, 3 m wide: all along it points of the joint are 1.5 m behind two sides.
+  EXPECT_NEAR(depth_of(in_box(plane("5, 4, 6", 45, 90), "\"top\", \"east\", \"north\", \"south\"")), 1.5, 1.5e-3);
+  // A slab on 20 degrees: its joint is as far from the top as from the east where 1 + (x - 4) tan 20 = 8 - x.
+  const double t = std::tan(20 * std::numbers::pi / 180);
+  EXPECT_NEAR(depth_of(in_box(plane("4, 4, 5", 20, 90), "\"top\", \"east\", \"west\", \"north\", \"south\"")),
+              8 - (7 + 4 * t) / (1 + t), 2e-3);
 }
 
 // Three vertical sides, each leaning inwards by a hundredth of a degree: no two are about parallel.

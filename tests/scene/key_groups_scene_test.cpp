@@ -261,6 +261,24 @@ TEST(KeyGroupsScene, OfEachStage) {
   EXPECT_EQ(notes_with(run_of(pit + active_and_passive(30)), "key group"), 0U);
 }
 
+// Under each load, too: what stands after a stage without load may move there in an earthquake.
+TEST(KeyGroupsScene, OfEachStageUnderEveryLoad) {
+  const std::string pit =
+      "[[excavation]]\nname = \"pit\"\nstage = 2\nkind = \"polyhedron\"\n"
+      "box = { min = [30, 0, -15], max = [35, 1, -10] }\n";
+  const std::string cases = "[[load]]\nname = \"calm\"\n[[load]]\nname = \"quake\"\nseismic = [-0.35, 0, 0]\n";
+  const RunResult result = run_of(pit + active_and_passive(30) + cases);
+  const StageResult& first = result.sequence->stages.front();
+  ASSERT_EQ(first.cases.size(), 2U);
+  EXPECT_EQ(first.groups->groups.size(), 0U);
+  EXPECT_EQ(first.cases[0].groups->groups.size(), 0U);
+  ASSERT_EQ(first.cases[1].groups->groups.size(), 1U);
+  EXPECT_NEAR(first.cases[1].groups->groups[0].volume.si(), 555, 1e-6);
+  EXPECT_EQ(notes_with(result, "after stage 1, load case quake: 1 key group (555 m3)"), 1U);
+  EXPECT_EQ(notes_with(result, "load case calm:"), 0U);
+  EXPECT_EQ(notes_with(run_of(pit + active_and_passive(30) + "groups = \"off\"\n" + cases), "key group"), 0U);
+}
+
 // More than sixty blocks are near a free face after the first stage: where groups decide they turn there too.
 TEST(KeyGroupsScene, OfEachStageWithMomentsWhereTheyDecide) {
   std::string cubes =
@@ -730,6 +748,26 @@ TEST(KeyGroupsScene, SupportIsAskedToHoldThemAfterEachStage) {
     ASSERT_TRUE(failing.has_value());
     EXPECT_EQ(std::ranges::count(*failing, 1U), below);
   }
+}
+
+// It may hold them after each stage, and not in an earthquake then.
+TEST(KeyGroupsScene, SupportIsAskedToHoldThemAfterEachStageUnderEveryLoad) {
+  const RunResult result = run_of(
+      "[[excavation]]\nname = \"pit\"\nstage = 2\nkind = \"polyhedron\"\n"
+      "box = { min = [30, 0, -15], max = [35, 1, -10] }\n" +
+      active_and_passive(45) +
+      "[[load]]\nname = \"quake\"\nseismic = [-0.45, 0, 0]\n"
+      "[support]\nshotcrete = { thickness = 0.1, strength = 1e5 }\n");
+  const StageResult& first = result.sequence->stages.front();
+  ASSERT_TRUE(first.support && first.support->groups);
+  EXPECT_TRUE(first.support->groups->all_held());
+  ASSERT_EQ(first.cases.size(), 1U);
+  EXPECT_EQ(first.cases[0].not_held, 0U);
+  ASSERT_TRUE(first.cases[0].supported_groups.has_value());
+  EXPECT_EQ(first.cases[0].supported_groups->not_held, 1U);
+  EXPECT_FALSE(first.support->passes());
+  EXPECT_EQ(notes_with(result, "after stage 1, load case quake: the support installed by then does not hold 1 of 1 "),
+            1U);
 }
 
 // What could not be judged together does not pass, and what was not asked is said to be so.

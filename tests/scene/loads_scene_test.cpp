@@ -6,6 +6,7 @@
 
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
+#include "cleave/realize/monte_carlo.hpp"
 #include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
 #include "run_scene.hpp"
@@ -272,6 +273,15 @@ TEST(LoadsScene, WaterThatLiftsTheFloorIsSaid) {
   const RunResult flood = run_of(slab + "[[load]]\nname = \"flood\"\nwater = { table = 9 }\n");
   EXPECT_EQ(notes_with(flood, lifted), 1U);
   EXPECT_EQ(notes_with(flood, "load case flood: water lifts"), 1U);
+  // Ensembles count it under each load case.
+  const Scene ensemble =
+      scene_of(slab + "[[load]]\nname = \"flood\"\nwater = { table = 9 }\n[monte_carlo]\nrealizations = 2\n");
+  EXPECT_FALSE(ensemble_options_of(ensemble).openings);
+  const stochastic::Record record = make_record(ensemble, shared_by_realizations(ensemble), 1);
+  EXPECT_EQ(record.all.count, 0U);
+  ASSERT_EQ(record.cases.size(), 1U);
+  EXPECT_EQ(record.cases[0].count, 1U);
+  EXPECT_EQ(record.cases[0].lifting, 1U);
   // What an earthquake lifts is no matter of water.
   EXPECT_EQ(notes_with(run_of(slab + "seismic = [0, 0, 1.5]\n"), "water lifts"), 0U);
 }

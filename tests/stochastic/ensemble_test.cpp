@@ -66,7 +66,7 @@ TEST(EnsembleTest, AreaAtTheEndsTellsTheGuardLength) {
   };
   EXPECT_FALSE(said(figures_of(90, 0), "fixed sides of the domain"));
   const Figures ends = figures_of(240, 0);  // six metres at each end
-  EXPECT_DOUBLE_EQ(ends.free_area_fixed_share, 0.24);
+  EXPECT_DOUBLE_EQ(ends.free_area_fixed_share.value(), 0.24);
   EXPECT_DOUBLE_EQ(ends.guard_length_m.value(), 6);
   EXPECT_TRUE(said(ends, "about 6 m at each end of the tunnel are lost"));
   EXPECT_TRUE(said(ends, "120 m long"));
@@ -131,13 +131,62 @@ TEST(EnsembleTest, LeastFactorAndPressuresAreExceededAsOftenAsTheyAre) {
   std::vector<double> pressures, areas, blocks;
   for (const PressureExceedance& row : f.pressures) {
     pressures.push_back(row.pressure.si());
-    areas.push_back(row.probability);
+    areas.push_back(row.probability.value());
     blocks.push_back(row.block_probability);
   }
   EXPECT_EQ(pressures, (std::vector<double>{200, 500, 1e3, 2e3, 5e3, 1e4, 2e4, 5e4}));
   EXPECT_EQ(areas, (std::vector<double>{1, 0.7, 0, 0, 0, 0, 0, 0}));
   EXPECT_EQ(blocks, (std::vector<double>{1, 1, 1, 1, 0.4, 0.4, 0.4, 0}));
-  EXPECT_DOUBLE_EQ(f.pressures[1].interval.high, clopper_pearson(7, 10, f.confidence).high);
+  EXPECT_DOUBLE_EQ(f.pressures[1].interval->high, clopper_pearson(7, 10, f.confidence).high);
+}
+
+// Without excavations there is no area that a pressure would be over: none is said, not 0. With one and no key block it
+// is 0.
+TEST(EnsembleTest, NoPressureOverAreaWithoutExcavations) {
+  EnsembleOptions slope = options();
+  slope.openings = false;
+  Ensemble bare{slope}, opened{options()};
+  for (std::uint64_t k = 0; k < 3; ++k) {
+    Record r = record(k, {2});
+    r.largest_pressure_pa = 150;
+    bare.add(r, "x");
+    Record none = record(k, {});
+    none.free_m2 = 10;
+    opened.add(none, "x");
+  }
+  const Figures f = bare.figures(), zero = opened.figures();
+  const auto of_area = [](const auto& row) { return row.name == "support_pressure_pa"; };
+  EXPECT_TRUE(std::ranges::none_of(f.estimates, of_area));
+  EXPECT_TRUE(std::ranges::none_of(f.quantiles, of_area));
+  EXPECT_DOUBLE_EQ(find(f, "largest_support_pressure_pa").mean, 150);
+  ASSERT_EQ(f.pressures.size(), 2U);  // 100 Pa, which all blocks exceed, and 200 Pa
+  for (const PressureExceedance& row : f.pressures) {
+    EXPECT_FALSE(row.probability.has_value());
+    EXPECT_FALSE(row.interval.has_value());
+  }
+  EXPECT_EQ(f.pressures[0].block_probability, 1);
+  EXPECT_FALSE(f.free_area_fixed_share.has_value());
+  const auto said = [](const Figures& of) {
+    return std::ranges::count_if(of.notes, [](const std::string& note) { return note.starts_with("no opening over"); });
+  };
+  EXPECT_EQ(said(f), 1);
+  EXPECT_EQ(find(zero, "support_pressure_pa").mean, 0);
+  EXPECT_EQ(zero.pressures.at(0).probability, 0);
+  EXPECT_EQ(zero.free_area_fixed_share, 0);
+  EXPECT_EQ(said(zero), 0);
+}
+
+// The mean volume of all blocks is a mean over realizations, not a ratio of sums.
+TEST(EnsembleTest, MeanVolumesOfBlocksAreAveragedOverRealizations) {
+  Ensemble ensemble{options()};
+  for (const std::uint64_t blocks : {10U, 100U}) {
+    Record r = record(0, {});
+    r.blocks = blocks;
+    ensemble.add(r, "x");
+  }
+  const Figures f = ensemble.figures();
+  EXPECT_DOUBLE_EQ(find(f, "block_mean_volume_m3").mean, (500 + 50) / 2.0);
+  EXPECT_EQ(find(f, "block_mean_volume_m3").method, Method::mean);
 }
 
 TEST(EnsembleTest, FiguresByHand) {

@@ -84,6 +84,22 @@ TEST(PairedTest, OnlyWhatBothWereAskedFor) {
   EXPECT_TRUE(std::ranges::none_of(cases, [](const auto& r) { return r.name == "joint_count"; }));
 }
 
+// A pressure over the area of excavations is not compared with that of a scene that has none.
+TEST(PairedTest, PressuresOverAreaNeedExcavationsInBoth) {
+  PairedComparison pairs, both;
+  for (std::uint64_t k = 0; k < 3; ++k) {
+    Record opened = with(k, 1), bare = with(k, 1);
+    opened.free_m2 = 10;
+    for (Record* r : {&opened, &bare}) r->all.support_transferred_n = 100 * static_cast<double>(k);
+    pairs.add(opened, bare);
+    both.add(opened, opened);
+  }
+  const auto of_area = [](const auto& row) { return row.name == "support_pressure_pa"; };
+  EXPECT_TRUE(std::ranges::none_of(pairs.estimates(0.95), of_area));
+  EXPECT_EQ(pairs.only_in_one().first, std::vector<std::string>{"support_pressure_pa"});
+  EXPECT_EQ(row(both.estimates(0.95), "support_pressure_pa").first, 10);
+}
+
 // Known answer of e^{1.1 u} - e^{u}: its variance is 0.571 with independent u and 0.0066 with common ones.
 // Pairs that never differ say nothing of how much they may.
 TEST(PairedTest, NoIntervalWhereNoPairDiffers) {

@@ -68,9 +68,9 @@ Record example(std::uint64_t k) {
     r.at_parts = {{k, cubic_metres(rng.uniform())}, {}, {1, cubic_metres(0.5)}, {}};
   }
   if (k % 7 == 2)
-    r.cases = {
-        {k, cubic_metres(2), cubic_metres(0.1), newtons(3e-300), r.support, r.groups, r.border, r.tapered, r.at_parts},
-        {}};
+    r.cases = {{k, cubic_metres(2), cubic_metres(0.1), newtons(3e-300), r.support, r.groups, r.border, r.tapered,
+                r.at_parts, k},
+               {}};
   if (k % 7 == 3)
     r.cases = {
         {1, {}, cubic_metres(rng.uniform()), {}, {}, Grouped{k, 3, {}, {}, true}, Staying{k, {}}, Staying{1, {}}}};

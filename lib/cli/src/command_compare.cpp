@@ -173,10 +173,10 @@ std::vector<std::string> notes_of(const stochastic::PairedComparison& pairs, std
   const stochastic::PairedComparison::OnlyInOne only = pairs.only_in_one();
   for (const auto& [names, folder] : {std::pair{&only.first, &first}, {&only.second, &second}}) {
     if (names->empty()) continue;
-    notes.push_back(fmt::format(
-        "only {} was asked for {}: not compared. To see what bolts do give both scenes [support] with the same "
-        "`target`, one of them without bolts",
-        *folder, fmt::join(*names, ", ")));
+    notes.push_back(
+        fmt::format("only {} has {}: not compared. To see what bolts do give both scenes [support] with the same "
+                    "`target`, one of them without bolts",
+                    *folder, fmt::join(*names, ", ")));
   }
   return notes;
 }

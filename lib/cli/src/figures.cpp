@@ -139,6 +139,7 @@ std::string rest_of(const scene::MotionResult& motion) {
 }
 
 std::string motion_line(const scene::MotionResult& motion) {
+  if (motion.refused) return fmt::format("motion       nothing ran; {}\n", motion.stopped_why);
   return say("motion       {moved} of {released} blocks moved, {end_s:.4g} s", motion) + rest_of(motion) +
          say(", {steps} steps, residual {residual:.1e}, energy error {relative_error:.1e}\n", motion) +
          (motion.bolts.empty() ? ""

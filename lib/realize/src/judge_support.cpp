@@ -132,17 +132,25 @@ void judge_support_in_stages(const Scene& scene, Realization& made, unsigned thr
     made.spot_bolts_of_stages = plan.placed;
     const stability::SupportResult installed = checks.front()(plan);
     bool fails_under_load = false;
+    const bool with_groups = scene.stability->groups != stability::GroupsCheck::off;
     for (std::size_t k = 0; k < row.cases.size(); ++k) {
-      const SupportFigures found = count_support(checks[k + 1](plan));
-      row.cases[k].not_held = found.not_held;
-      row.cases[k].combined_failing = found.combined_failing;
-      fails_under_load = fails_under_load || found.not_held > 0 || found.combined_failing > 0;
+      const stability::SupportResult under_load = checks[k + 1](plan);
+      const SupportFigures found = count_support(under_load);
+      StageCase& stage_case = row.cases[k];
+      stage_case.not_held = found.not_held;
+      stage_case.combined_failing = found.combined_failing;
+      if (with_groups) {
+        const LoadCase& load = scene.stability->cases[k];
+        const auto groups = check_groups(complex, settings_on(complex.complex(), scene, made, load.loads),
+                                         plan_under(load, plan), under_load, together(scene, threads));
+        stage_case.too_many = groups.too_many();
+        if (!stage_case.too_many) stage_case.supported_groups = count_supported_groups(groups);
+      }
+      fails_under_load = fails_under_load || stage_case.fails();
     }
     const SupportFigures with = count_support(installed);
     std::optional<stability::GroupSupport> groups;
-    if (scene.stability->groups != stability::GroupsCheck::off) {
-      groups = check_groups(complex, settings, plan, installed, together(scene, threads));
-    }
+    if (with_groups) groups = check_groups(complex, settings, plan, installed, together(scene, threads));
     const bool too_many = groups && groups->too_many();
     std::erase_if(plan.bolts, later(row.stage));
     std::erase_if(plan.placed, later(row.stage));

@@ -90,6 +90,7 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
                                       .groups = questions.groups,
                                       .clamped = questions.clamped,
                                       .at_parts = scene.stability.has_value() && has_own_opening(scene),
+                                      .openings = !scene.excavations.empty(),
                                       .orders = orders_of(scene).size(),
                                       .strengths_per_geometry = strengths_per_geometry(scene)};
   if (!questions.axis.empty()) options.tunnel_length_m = stochastic::length_of(questions.axis);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <queue>
 
 #include "cleave/geometry/tunnel.hpp"
 #include "cleave/stochastic/record.hpp"
@@ -97,32 +98,121 @@ class OpenGround {
   Part wall_, floor_, ground_, roof_;
 };
 
-/// Depth and extent of a block.
-void measure(const topology::BlockComplex& complex, topology::BlockId block, BlockPlace& place) {
-  std::vector<topology::VertexId> corners, open;  // of its faces, of the free ones
-  std::vector<topology::FaceId> free;
-  for (const topology::FaceId id : complex.blocks()[block].faces) {
-    const topology::Face& face = complex.faces()[id];
-    if (face.role == topology::Role::free) free.push_back(id);
-    for (const auto& loop : complex.loops(face)) {
-      corners.insert(corners.end(), loop.begin(), loop.end());
-      if (face.role == topology::Role::free) open.insert(open.end(), loop.begin(), loop.end());
+/// How far a block reaches into the rock: of the points at which it meets other rock, or a side of the domain, the one
+/// farthest from its free faces. Triangles of these faces are halved until none can hold a point that lies farther than
+/// the best corner so far by more than a thousandth.
+class Depth {
+ public:
+  Depth(const topology::BlockComplex& complex, topology::BlockId block) : complex_{complex} {
+    for (const topology::FaceId id : complex.blocks()[block].faces) {
+      const topology::Face face = complex.faces()[id];
+      const bool free = face.role == topology::Role::free;
+      (free ? free_ : held_).push_back(face);
+      if (free) convex_.push_back(is_convex(face) ? 1 : 0);
     }
   }
+  /// Empty without a free face, and where all are.
+  [[nodiscard]] std::optional<Length> find() {
+    if (free_.empty() || held_.empty()) return std::nullopt;
+    for (const topology::Face& face : held_) search(face);
+    return Length::from_si(best_);
+  }
+
+ private:
+  static constexpr int most_halvings = 4'000;  // of one face
+  static constexpr double close = 1e-3;
+  struct Point {
+    Vec3 at;
+    std::vector<double> off;  ///< of each free face
+  };
+  struct Triangle {
+    std::array<std::size_t, 3> corners = {};  // of points_
+    double most = 0;                          // no point of it lies farther from all free faces
+    friend bool operator<(const Triangle& a, const Triangle& b) { return a.most < b.most; }
+  };
+
+  [[nodiscard]] bool is_convex(const topology::Face& face) const {
+    if (complex_.loops(face).size() != 1) return false;
+    const auto loop = complex_.loops(face)[0];
+    const auto at = [&](std::size_t i) { return complex_.vertices()[loop[i % loop.size()]]; };
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const Vec3 to = at(i + 1) - at(i), on = at(i + 2) - at(i + 1);
+      if (dot(cross(to, on), face.outward) < -1e-9 * norm(to) * norm(on)) return false;
+    }
+    return true;
+  }
+  /// It counts where it lies on the face `inside`; without one it does.
+  std::size_t add(Vec3 at, const topology::Face* inside) {
+    Point& point = points_.emplace_back(at);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const topology::Face& face : free_) {
+      point.off.push_back(distance_to_face(complex_, face, at));
+      nearest = std::min(nearest, point.off.back());
+    }
+    const auto on = [&] { return distance_to_face(complex_, *inside, at) <= 1e-9 * (nearest + best_); };
+    if (nearest > best_ && (inside == nullptr || on())) best_ = nearest;
+    return points_.size() - 1;
+  }
+  [[nodiscard]] double edge(const Triangle& t, std::size_t k) const {
+    return norm(points_[t.corners.at(k)].at - points_[t.corners.at((k + 1) % 3)].at);
+  }
+  /// The distance to a convex face is largest at a corner; to others it grows by no more than the way.
+  [[nodiscard]] Triangle bounded(std::array<std::size_t, 3> corners) const {
+    Triangle t{corners, std::numeric_limits<double>::infinity()};
+    const double across = std::max({edge(t, 0), edge(t, 1), edge(t, 2)});
+    for (std::size_t f = 0; f < free_.size(); ++f) {
+      const auto [low, high] =
+          std::minmax({points_[corners[0]].off[f], points_[corners[1]].off[f], points_[corners[2]].off[f]});
+      t.most = std::min(t.most, convex_[f] != 0 ? high : low + across);
+    }
+    return t;
+  }
+  /// The fans of its loops cover a face, and more where it is not convex.
+  void search(const topology::Face& face) {
+    points_.clear();
+    const topology::Face* const inside = is_convex(face) ? nullptr : &face;
+    std::priority_queue<Triangle> open;
+    for (const auto& loop : complex_.loops(face)) {
+      std::vector<std::size_t> corners;
+      for (const topology::VertexId v : loop) corners.push_back(add(complex_.vertices()[v], nullptr));
+      for (std::size_t i = 2; i < corners.size(); ++i) open.push(bounded({corners[0], corners[i - 1], corners[i]}));
+    }
+    for (int halvings = 0; !open.empty() && halvings < most_halvings; ++halvings) {
+      const Triangle t = open.top();
+      if (t.most <= best_ * (1 + close)) return;
+      open.pop();
+      const std::array<double, 3> edges{edge(t, 0), edge(t, 1), edge(t, 2)};
+      std::size_t longest = edges[1] > edges[0] ? 1 : 0;
+      if (edges[2] > edges.at(longest)) longest = 2;
+      const std::size_t a = t.corners.at(longest), b = t.corners.at((longest + 1) % 3),
+                        c = t.corners.at((longest + 2) % 3);
+      const std::size_t middle = add(0.5 * (points_[a].at + points_[b].at), inside);
+      const bool beside = inside != nullptr && distance_to_face(complex_, face, points_[middle].at) > edges.at(longest);
+      if (beside) continue;  // all of it
+      for (const auto& half : {std::array{a, middle, c}, std::array{middle, b, c}}) open.push(bounded(half));
+    }
+  }
+
+  const topology::BlockComplex& complex_;
+  std::vector<topology::Face> free_, held_;
+  std::vector<std::uint8_t> convex_;  // by free face
+  std::vector<Point> points_;         // of the face at work
+  double best_ = 0;
+};
+
+/// Depth and extent of a block.
+void measure(const topology::BlockComplex& complex, topology::BlockId block, BlockPlace& place) {
+  std::vector<topology::VertexId> corners;
+  for (const topology::FaceId id : complex.blocks()[block].faces) {
+    for (const auto& loop : complex.loops(id)) corners.insert(corners.end(), loop.begin(), loop.end());
+  }
   sort_and_drop_repeated(corners);
-  sort_and_drop_repeated(open);
-  double depth = 0, extent = 0;
+  double extent = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec3 p = complex.vertices()[corners[i]];
     for (std::size_t k = 0; k < i; ++k) extent = std::max(extent, norm(p - complex.vertices()[corners[k]]));
-    // A corner of a free face lies on it, whatever rounding says.
-    if (free.empty() || std::ranges::binary_search(open, corners[i])) continue;
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const topology::FaceId id : free)
-      nearest = std::min(nearest, distance_to_face(complex, complex.faces()[id], p));
-    depth = std::max(depth, nearest);
   }
-  if (!free.empty()) place.depth = Length::from_si(depth);
+  place.depth = Depth{complex, block}.find();
   place.extent = Length::from_si(extent);
 }
 

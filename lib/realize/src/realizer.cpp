@@ -325,7 +325,15 @@ void Realizer::judge_groups_of_stages() {
     if (!row.complex || !*row.complex || !row.analysis) continue;
     const topology::AuditedComplex& complex = **row.complex;
     row.groups = stability::find_key_groups(complex, settings(complex.complex()), together(*scene_, options_.threads));
-    add_moving_group_notes(*row.groups, *row.analysis, "after stage " + std::to_string(row.stage) + ": ", group_notes_);
+    const std::string after = "after stage " + std::to_string(row.stage);
+    add_moving_group_notes(*row.groups, *row.analysis, after + ": ", group_notes_);
+    for (std::size_t k = 0; k < row.cases.size(); ++k) {
+      StageCase& under = row.cases[k];
+      under.groups = stability::find_key_groups(
+          complex, of_detail(settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads)),
+          together(*scene_, options_.threads));
+      add_moving_group_notes(*under.groups, under.analysis, after + ", load case " + under.name + ": ", group_notes_);
+    }
   }
 }
 

@@ -63,20 +63,26 @@ void add_enclosed_notes(const std::vector<stability::InterlockedByInclusion>& ro
   if (rows.size() > most) notes.push_back(fmt::format("and {} more blocks like that", rows.size() - most));
 }
 
+/// Of the support of a stage, or of one under a load. `where`: before the note.
+void add_stage_groups_notes(const std::optional<SupportedGroupFigures>& groups, bool too_many, const std::string& where,
+                            std::vector<std::string>& notes) {
+  if (too_many) notes.push_back(too_many_with_support(where));
+  if (!groups || groups->all_held()) return;
+  notes.push_back(
+      fmt::format("{}the support installed by then does not hold {} of {} {} of blocks below the target ({:.4g} m3), "
+                  "{} in doubt: see sequence in summary.json",
+                  where, groups->not_held, groups->count, groups->count == 1 ? "group" : "groups",
+                  groups->not_held_volume.si(), groups->in_doubt));
+}
+
 void add_stage_support_notes(const SequenceResult& sequence, std::vector<std::string>& notes) {
   for (const StageResult& row : sequence.stages) {
     if (!row.support) continue;
-    const std::string where = fmt::format("after stage {}: ", row.stage);
-    if (row.support->too_many) notes.push_back(too_many_with_support(where));
-    if (row.support->groups && !row.support->groups->all_held()) {
-      const SupportedGroupFigures& groups = *row.support->groups;
-      notes.push_back(
-          fmt::format("{}the support installed by then does not hold {} of {} {} of blocks below the target ({:.4g} "
-                      "m3), {} in doubt: see sequence in summary.json",
-                      where, groups.not_held, groups.count, groups.count == 1 ? "group" : "groups",
-                      groups.not_held_volume.si(), groups.in_doubt));
-    }
+    const std::string after = fmt::format("after stage {}", row.stage);
+    add_stage_groups_notes(row.support->groups, row.support->too_many, after + ": ", notes);
     for (const StageCase& under : row.cases) {
+      add_stage_groups_notes(under.supported_groups, under.too_many,
+                             fmt::format("{}, load case {}: ", after, under.name), notes);
       if (under.not_held.value_or(0) == 0 && under.combined_failing.value_or(0) == 0) continue;
       notes.push_back(
           fmt::format("after stage {}, load case {}: the support installed by then leaves {} {} and {} stitched bodies "
@@ -107,7 +113,7 @@ std::vector<topology::BlockId> moving(const stability::Analysis& analysis) {
 }
 
 /// What moves under a load in a stage before the last, and not without it.
-void add_stage_case_notes(const Scene& scene, const SequenceResult& sequence, std::vector<std::string>& notes) {
+void add_stage_case_notes(const SequenceResult& sequence, std::vector<std::string>& notes) {
   for (const StageResult& row : sequence.stages) {
     if (&row == &sequence.stages.back()) break;
     if (row.cases.empty()) continue;
@@ -125,12 +131,6 @@ void add_stage_case_notes(const Scene& scene, const SequenceResult& sequence, st
                                   row.stage, under.name,
                                   more == 1 ? "1 block moves" : fmt::format("{} blocks move", more), volume.si()));
     }
-  }
-  const bool cases = std::ranges::any_of(sequence.stages, [](const StageResult& row) { return !row.cases.empty(); });
-  if (cases && sequence.stages.size() > 1 && scene.stability->groups != stability::GroupsCheck::off) {
-    notes.emplace_back(
-        "groups of blocks were not looked for under each [[load]] after stages before the last: put the load into "
-        "[stability] for those");
   }
 }
 
@@ -181,11 +181,8 @@ void add_lifted_note(const stability::Analysis& analysis, const LoadSet& loads, 
     volume += complex.blocks()[j.block].volume;
   }
   if (count == 0) return;
-  notes.push_back(fmt::format(
-      "{}water lifts {} key {} ({:.4g} m3): it presses in the joints behind them, not on their free faces; where the "
-      "rock is drained, {}; where the opening is flooded, free_faces = true beside a `table`",
-      where, count, count == 1 ? "block" : "blocks", volume.si(),
-      loads.flow ? "state a lower level in [flow]" : "state a lower `table` or `pressures`"));
+  notes.push_back(
+      note_on_lifted(where, fmt::format("{} key {} ({:.4g} m3)", count, count == 1 ? "block" : "blocks", volume.si())));
 }
 
 void add_lifted_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
@@ -336,6 +333,13 @@ void add_taper_notes(const Realization& made, std::vector<std::string>& notes) {
 
 }  // namespace
 
+std::string note_on_lifted(std::string_view where, std::string_view how_many) {
+  return fmt::format(
+      "{}water lifts {}: it presses in the joints behind them, not on their free faces; where the rock is drained, "
+      "state a lower level of the water, or `pressures`; where the opening is flooded, free_faces = true",
+      where, how_many);
+}
+
 void add_barred_note(const std::vector<stability::Barred>& barred, bool too_many, std::vector<std::string>& notes) {
   if (barred.empty()) return;
   const auto least = std::ranges::min_element(barred, {}, &stability::Barred::factor_of_safety);
@@ -368,7 +372,7 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
         "the support does not reach the required factors of safety: see bolts.csv and the columns of key_blocks.csv");
   }
   if (made.sequence) add_stage_support_notes(*made.sequence, notes);
-  if (made.sequence) add_stage_case_notes(scene, *made.sequence, notes);
+  if (made.sequence) add_stage_case_notes(*made.sequence, notes);
   for (const CaseSupport& load : made.support_cases) {
     if (!load.support.passes()) {
       notes.push_back(

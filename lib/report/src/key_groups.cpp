@@ -55,7 +55,7 @@ void fields(V& v, const ShownGroup& x) {
   v("let_go", let_go, "what a group in doubt does in motion from rest");
 }
 
-/// Of the base case in the final state, then of the load cases, then of the stages before the last.
+/// Of the base case in the final state, then of the load cases, then of the stages, each without and under load.
 std::vector<KeyGroupRow> rows_of(const scene::RunResult& result, const topology::BlockComplex* complex) {
   std::vector<KeyGroupRow> rows;
   const auto add = [&](const std::optional<stability::KeyGroups>& groups, std::string_view load_case,
@@ -72,7 +72,10 @@ std::vector<KeyGroupRow> rows_of(const scene::RunResult& result, const topology:
   for (std::size_t k = 0; k < std::min(rows.size(), result.let_go.size()); ++k) rows[k].let_go = result.let_go[k];
   for (const scene::CaseResult& load : result.load_cases) add(load.groups, load.name, {});
   if (result.sequence) {
-    for (const scene::StageResult& stage : result.sequence->stages) add(stage.groups, {}, stage.stage);
+    for (const scene::StageResult& stage : result.sequence->stages) {
+      add(stage.groups, {}, stage.stage);
+      for (const scene::StageCase& under : stage.cases) add(under.groups, under.name, stage.stage);
+    }
   }
   return rows;
 }

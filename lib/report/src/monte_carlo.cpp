@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <string_view>
 #include <utility>
 
 #include "cleave/exchange/csv.hpp"
@@ -11,6 +12,29 @@
 #include "cleave/report/monte_carlo_fields.hpp"
 
 namespace cleave::report {
+
+namespace {
+
+/// Of key blocks that water lifts in some realization. `where`: the load case, before the note.
+void add_lifted_note(const std::vector<stochastic::Estimate>& estimates, const scene::LoadSet& loads,
+                     std::string_view where, std::vector<std::string>& notes) {
+  const auto lifted = std::ranges::find(estimates, "lifted_count", &stochastic::Estimate::name);
+  if (loads.actions.dry() || lifted == estimates.end() || !(lifted->mean > 0)) return;
+  notes.push_back(
+      scene::note_on_lifted(where, fmt::format("in the mean {:.3g} key blocks a realization", lifted->mean)));
+}
+
+void add_lifted_notes(const scene::Scene& scene, stochastic::Figures& figures) {
+  if (!scene.stability) return;
+  add_lifted_note(figures.estimates, scene.stability->loads, "", figures.notes);
+  for (std::size_t k = 0; k < figures.cases.size(); ++k) {
+    const stochastic::CaseEstimates& under = figures.cases[k];
+    add_lifted_note(under.estimates, scene.stability->cases.at(k).loads, fmt::format("load case {}: ", under.name),
+                    figures.notes);
+  }
+}
+
+}  // namespace
 
 MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost& cost, scene::MonteCarloResult result) {
   MonteCarloPage page{head_of(scene, make_plan(scene)),
@@ -63,6 +87,7 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
         "these sides in `free`",
         estimate.mean));
   }
+  add_lifted_notes(scene, page.result.figures);
   std::ranges::move(notes_on_lines(scene), std::back_inserter(page.result.figures.notes));
   for (const scene::Problem& note : scene.notes) page.notes.push_back(describe(note));
   if (scene.monte_carlo && scene.monte_carlo->stop) page.stop_quantity = scene.monte_carlo->stop->quantity;

@@ -84,6 +84,9 @@ std::string motion_vtu(const scene::RunResult& result, std::size_t frame) {
 
 std::string motion_section(const scene::MotionResult& motion) {
   std::string out = "<section id=\"motion\"><h2>Blocks in motion</h2>\n";
+  if (motion.refused) {
+    return out + "<p class=\"note\">Nothing ran; " + escape_xml(motion.stopped_why) + ".</p></section>\n";
+  }
   if (!motion.converged) {
     out += "<p class=\"note\">The run stopped: " + escape_xml(motion.stopped_why) + ".</p>\n";
   }

@@ -135,8 +135,9 @@ void place_fields(V& v, const scene::BlockPlace& place, const std::vector<std::s
   v("clock", place.clock ? std::optional{clock_text(*place.clock)} : std::nullopt,
     "on the face of a clock to half an hour, looking along the tunnel's axis: `12:00` at the crown, `3:00` on the "
     "right");
-  v("depth_m", place.depth.value_or(Length{}),
-    "how far it reaches into the rock: of its corners the one farthest from its free faces");
+  v("depth_m", place.depth,
+    "how far it reaches into the rock: of the points at which it meets other rock the one farthest from its free faces "
+    "(to 0.1 %); empty without a free face");
   v("extent_m", place.extent, "between the two corners that are farthest apart");
 }
 

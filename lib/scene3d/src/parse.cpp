@@ -221,12 +221,16 @@ bool is_scene(const TomlTable& tree, const std::string& shown, Problems& problem
 }
 
 /// What a run stops by is counted in it.
-void check_stop(const TableReader& root, const stochastic::Stop& stop, bool judged, bool only_key_blocks) {
+void check_stop(const TableReader& root, const stochastic::Stop& stop, bool judged, bool only_key_blocks, bool opened) {
   const auto* quantity = stochastic::quantity_named(stop.quantity);
   if (quantity->stability && !judged) {
     root.problems().error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
                           "asks for key blocks, but nothing is free",
                           "add an excavation or stability.free, or take block_count");
+  } else if (quantity->openings && !opened) {
+    root.problems().error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
+                          "is over the area of excavations, and there are none",
+                          "add an excavation, or take support_force");
   }
   if (quantity->whole_system && only_key_blocks && judged) {
     root.problems().error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
@@ -287,7 +291,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
     check_flow_water(context, *stability.settings, flow, sequence.has_value(), monte_carlo.has_value());
   }
   if (monte_carlo && monte_carlo->stop) {
-    check_stop(root, *monte_carlo->stop, stability.settings.has_value(), output.only_key_blocks);
+    check_stop(root, *monte_carlo->stop, stability.settings.has_value(), output.only_key_blocks, !excavations.empty());
   }
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
 

@@ -65,6 +65,7 @@ Record under_case(const Record& of, std::size_t number) {
   record.all.volume_m3 = c.volume.si();
   record.all.largest_m3 = c.largest.si();
   record.all.support_n = c.net.si();
+  record.all.modes[std::to_underlying(stability::Mode::lifting)] = c.lifting;
   record.support = c.support;
   record.groups = c.groups;
   record.border = c.border;

@@ -332,12 +332,12 @@ void Ensemble::add_notes(Figures& figures) const {
         ratio.ratio(), plain));
   }
   constexpr double alarm = 0.1;
-  if (figures.free_area_fixed_share > alarm) {
+  if (figures.free_area_fixed_share.value_or(0) > alarm) {
     std::string what = fmt::format(
         "{:.1f} % of the area of excavations belongs to blocks that only fixed sides of the domain hold: key blocks "
         "are "
         "missed there",
-        100 * figures.free_area_fixed_share);
+        100 * *figures.free_area_fixed_share);
     if (figures.middle_fixed_share && *figures.middle_fixed_share > alarm) {
       what += fmt::format(
           "; {:.1f} % of the middle half of the tunnel does: give it more room to the sides, above and "
@@ -354,12 +354,14 @@ void Ensemble::add_notes(Figures& figures) const {
 }
 
 void Ensemble::add_border(Figures& figures) const {
-  figures.free_area_fixed_share = free_ > 0 ? free_fixed_ / free_ : 0;
+  if (!(free_ > 0)) return;
+  const double all = free_fixed_ / free_;
+  figures.free_area_fixed_share = all;
   if (!options_.tunnel_length_m || !(middle_ > 0)) return;
   const double middle = middle_fixed_ / middle_;
   figures.middle_fixed_share = middle;
   // What the ends lose beyond what the sides hold everywhere, as a length.
-  const double ends = middle < 1 ? std::max(0.0, figures.free_area_fixed_share - middle) / (1 - middle) : 0;
+  const double ends = middle < 1 ? std::max(0.0, all - middle) / (1 - middle) : 0;
   figures.guard_length_m = 0.5 * metres_in_rock() * ends;
 }
 
@@ -379,16 +381,25 @@ void Ensemble::add_factors(Figures& figures) const {
 
 void Ensemble::add_pressures(Figures& figures) const {
   if (!options_.stability || units_ == 0) return;
+  if (!options_.openings) {
+    figures.notes.emplace_back(
+        "no opening over whose area forces to be held would be a pressure: support_pressure_pa is not given, and "
+        "pressure_exceedance is that of single blocks");
+  }
   for (std::size_t i = 0; i < pressing_.size(); ++i) {
-    const PressureExceedance row{.pressure = Stress::from_si(pressures_pa()[i]),
-                                 .probability = probability_of(pressing_[i]),
-                                 .block_probability = probability_of(pressing_blocks_[i]),
-                                 .interval = probability_interval(pressing_[i]),
-                                 .block_interval = probability_interval(pressing_blocks_[i])};
+    PressureExceedance row{.pressure = Stress::from_si(pressures_pa()[i]),
+                           .probability = {},
+                           .interval = {},
+                           .block_probability = probability_of(pressing_blocks_[i]),
+                           .block_interval = probability_interval(pressing_blocks_[i])};
+    if (options_.openings) {
+      row.probability = probability_of(pressing_[i]);
+      row.interval = probability_interval(pressing_[i]);
+    }
     // Pressures that all exceed, or none, say nothing more but the last and the first.
-    if (row.probability >= 1 && row.block_probability >= 1) figures.pressures.clear();
+    if (row.probability.value_or(1) >= 1 && row.block_probability >= 1) figures.pressures.clear();
     figures.pressures.push_back(row);
-    if (!(row.probability > 0) && !(row.block_probability > 0)) break;
+    if (!(row.probability.value_or(0) > 0) && !(row.block_probability > 0)) break;
   }
 }
 

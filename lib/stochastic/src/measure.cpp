@@ -214,6 +214,7 @@ CaseTally measure_case(const BlockComplex& complex, const stability::Analysis& a
     ++tally.count;
     tally.volume += volume;
     tally.largest = std::max(tally.largest, volume);
+    tally.lifting += judgement.mode == stability::Mode::lifting ? 1U : 0U;
     tally.net += std::max(Force{}, judgement.net);
   }
   return tally;

@@ -25,6 +25,10 @@ Quantity at_part(Quantity quantity) {
   quantity.at_parts = true;
   return by_case(quantity);
 }
+Quantity over_openings(Quantity quantity) {
+  quantity.openings = true;
+  return quantity;
+}
 PartTally tally_at(const Record& r, Part part) {
   const auto at = static_cast<std::size_t>(std::to_underlying(part));
   return at < r.at_parts.size() ? r.at_parts[at] : PartTally{};
@@ -41,6 +45,8 @@ template <Part part>
 double pressure_at(const Record& r) {
   return r.support ? r.support->pressures[std::to_underlying(part)].si() : 0;
 }
+/// Key blocks that move away from all their joints against gravity.
+double lifted_count(const Record& r) { return number(r.all.modes[std::to_underlying(stability::Mode::lifting)]); }
 double clamped_volume(const Record& r) { return r.clamped ? r.all.volume_m3 - r.clamped->held_volume.si() : 0; }
 
 }  // namespace
@@ -49,6 +55,7 @@ bool Quantity::asked_in(const Record& record) const noexcept {
   if (whole_system && !record.whole) return false;
   if (clamped && !record.clamped) return false;
   if (at_parts && record.at_parts.empty()) return false;
+  if (openings && !(record.free_m2 > 0)) return false;
   if (support) return record.support && (!groups || record.support->groups);
   return !groups || record.groups.has_value();
 }
@@ -80,9 +87,10 @@ const std::vector<Quantity>& block_quantities() {
       at_part({"key_block_volume_floor_m3", volume_at<Part::floor>, true, false, true}),
       at_part({"probability_of_failure_faces", fails_at<Part::faces>, true, false, false, false, true}),
       at_part({"key_block_volume_faces_m3", volume_at<Part::faces>, true, false, true}),
-      {"support_pressure_pa", pressure_over_area, true, false, true},
+      over_openings({"support_pressure_pa", pressure_over_area, true, false, true}),
       {"largest_support_pressure_pa", [](const Record& r) { return r.largest_pressure_pa; }, true, false, true, false,
        false, false, false, true},
+      by_case({"lifted_count", lifted_count, true, false, false}),
       by_case({"domain_held_count", [](const Record& r) { return r.border ? number(r.border->count) : 0; }, true, false,
                true}),
       by_case({"domain_held_volume_m3", [](const Record& r) { return r.border ? r.border->volume.si() : 0; }, true,

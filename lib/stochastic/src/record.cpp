@@ -365,7 +365,7 @@ std::string_view record_columns() noexcept {
          "first_count,first_volume_m3,first_largest_m3,first_support_n,first_support_transferred_n,first_falling,"
          "first_lifting,first_sliding,first_wedge,first_tetrahedral,first_pentahedral,first_hexahedral,first_higher,"
          "first_other,first_concave,first_sphericity_sum,first_sizes,above,chainage_m3,support,orders,groups,clamped,"
-         "border,whole,whole_bins,sets,lines,cases,tapered,at_parts,crc32";
+         "border,whole,whole_bins,sets,lines,cases,tapered,at_parts,cases_lifting,crc32";
 }
 
 std::string line_of(const Record& r) {
@@ -403,6 +403,9 @@ std::string line_of(const Record& r) {
   w.list(std::span{cases});
   w.list(std::span{tapered});
   w.list(std::span{at_parts});
+  std::vector<std::uint64_t> lifting;
+  for (const CaseTally& c : r.cases) lifting.push_back(c.lifting);
+  w.list(std::span{std::as_const(lifting)});
   return std::move(w).finish();
 }
 
@@ -438,6 +441,7 @@ std::optional<Record> record_of(std::string_view line) {
   r.list(record.chainage_m3);
   std::vector<double> support, orders, groups, clamped, border, whole, sets, lines, cases, tapered, at_parts;
   std::vector<float> bins;
+  std::vector<std::uint64_t> lifting;
   r.list(support);
   r.list(orders);
   r.list(groups);
@@ -450,12 +454,14 @@ std::optional<Record> record_of(std::string_view line) {
   r.list(cases);
   r.list(tapered);
   r.list(at_parts);
+  r.list(lifting);
   if (!take(support, record.support) || !take(orders, record.orders) || !take(groups, record.groups) ||
       !take(clamped, record.clamped) || !take(border, record.border) || !take(whole, bins, record.whole) ||
       !take(sets, record.sets) || !take(lines, record.lines) || !take(cases, record.cases) ||
-      !take(tapered, record.tapered) || !take(at_parts, record.at_parts)) {
+      !take(tapered, record.tapered) || !take(at_parts, record.at_parts) || lifting.size() != record.cases.size()) {
     return std::nullopt;
   }
+  for (std::size_t k = 0; k < lifting.size(); ++k) record.cases[k].lifting = lifting[k];
   if (!record.factors.empty() && record.factors.size() != factor_bins) return std::nullopt;
   if (!r.good() || outcome > static_cast<unsigned>(Outcome::refused) || stopped > 1) return std::nullopt;
   record.outcome = static_cast<Outcome>(outcome);

@@ -31,7 +31,7 @@ struct OpenPlace {
 /// Where a block is.
 struct BlockPlace : OpenPlace {
   geometry::Vec3 centroid = {};      ///< m
-  std::optional<Length> depth = {};  ///< of its corners the one farthest from its free faces; empty without one
+  std::optional<Length> depth = {};  ///< `Depth`; empty without a free face
   Length extent = {};                ///< between the two corners farthest apart
   std::vector<SetId> sets = {};      ///< of its joints, ascending
 };

@@ -5,6 +5,8 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "cleave/core/cost.hpp"
@@ -44,6 +46,9 @@ struct RunOptions {
 /// realization belongs to.
 [[nodiscard]] std::expected<SampledScene, std::vector<Problem>> sample(const Scene& scene,
                                                                        std::uint64_t realization = 0);
+
+/// Of key blocks that water lifts out of free faces. `where`: the load case, before the note.
+[[nodiscard]] std::string note_on_lifted(std::string_view where, std::string_view how_many);
 
 /// Realizations `first` .. `first + count - 1` on one thread: the same joints, blocks and judgements as `run` finds for
 /// each, but for what ensembles do not count; null for one that cannot be made. The steps of the plan are booked with

@@ -104,11 +104,13 @@ inline constexpr std::string_view motion_state_name = "motion.state";
 template <class V>
 void fields(V& v, const MotionResult& x) {
   v("status",
-    one_of(!x.converged        ? "stopped"
+    one_of(x.refused           ? "refused"
+           : !x.converged      ? "stopped"
            : x.rough_steps > 0 ? "rough"
                                : "converged",
-           {"converged", "rough", "stopped"}),
-    "rough: the run went on with the best answers found where none met the contact law to 1e-5 (rough_steps, "
+           {"converged", "rough", "stopped", "refused"}),
+    "refused: nothing ran, for the reason stated; rough: the run went on with the best answers found where none met "
+    "the contact law to 1e-5 (rough_steps, "
     "residual); "
     "stopped: a step could not be solved so or without overlap, and the run ends there");
   v("reason", when(!x.converged, x.stopped_why));

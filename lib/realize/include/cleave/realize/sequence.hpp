@@ -32,8 +32,9 @@ struct StageSupport {
 template <class V>
 void fields(V& v, const StageSupport& x) {
   v("passes", x.passes(),
-    "with what is installed by then, all blocks, bodies and groups, blocks and bodies under each [[load]], too; false "
-    "where there are too many to judge groups");
+    "with what is installed by then, all blocks, bodies and groups, under each [[load]], too; false where there are "
+    "too "
+    "many to judge groups");
   v("blocks", x.blocks, "below their target without support");
   v("bolts_before", x.bolts_before, "installed after earlier stages");
   v("not_held_before", x.not_held_before, "with these alone, without spot bolts and shotcrete");
@@ -44,12 +45,19 @@ void fields(V& v, const StageSupport& x) {
   supported_groups_field(v, x.groups);
 }
 
-/// The rock after one stage under a [[load]], block by block.
+/// The rock after one stage under a [[load]].
 struct StageCase {
   std::string name;
   stability::Analysis analysis;
   KeyBlockFigures key_blocks = {};
+  std::optional<stability::KeyGroups> groups = {};  ///< blocks judged together, where the scene asks for it
   std::optional<std::uint64_t> not_held = {}, combined_failing = {};  ///< with what is installed by then
+  std::optional<SupportedGroupFigures> supported_groups = {};  ///< the same, where there are not too many to be judged
+  bool too_many = false;                                       ///< to be judged together with the support
+  [[nodiscard]] bool fails() const noexcept {
+    return not_held.value_or(0) > 0 || combined_failing.value_or(0) > 0 || too_many ||
+           (supported_groups && !supported_groups->all_held());
+  }
 };
 template <class V>
 void fields(V& v, const StageCase& x) {
@@ -58,6 +66,7 @@ void fields(V& v, const StageCase& x) {
   v("key_block_volume_m3", x.key_blocks.volume_m3);
   v("not_held", x.not_held, "with the support installed by then; absent without [support]");
   v("combined_failing", x.combined_failing);
+  supported_groups_field(v, x.supported_groups);
 }
 
 /// The rock after one stage.
@@ -94,7 +103,7 @@ void fields(V& v, const StageResult& x) {
   v("new_key_block_count", x.new_key_blocks, "without blocks of which a part left in an earlier stage");
   v("new_key_block_volume_m3", x.new_key_volume);
   v("support", x.support, "[support] in the rock after this stage");
-  v("load_cases", when_any(x.cases), "the rock after this stage under each [[load]], block by block");
+  v("load_cases", when_any(x.cases), "the rock after this stage under each [[load]]");
 }
 
 struct OrderResult {

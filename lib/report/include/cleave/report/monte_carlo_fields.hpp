@@ -120,8 +120,10 @@ void fields(V& v, const FactorPoint& x) {
 template <class V>
 void fields(V& v, const PressureExceedance& x) {
   v("pressure_pa", x.pressure.si());
-  v("probability", x.probability, "that a realization needs more over the area of its excavations");
-  fields(v, x.interval);
+  v("probability", OrNull<double>{x.probability}, "that a realization needs more over the area of its excavations");
+  v("low", or_null(x.interval, &Interval::low));
+  v("high", or_null(x.interval, &Interval::high));
+  v("reason", when(!x.probability, "no opening over whose area it would be"));
   v("block_probability", x.block_probability, "that a block of its first batch needs more over its free area");
   v("block_low", x.block_interval.low);
   v("block_high", x.block_interval.high);
@@ -223,6 +225,22 @@ void stop_fields(V& v, const scene::StopFigures& x) {
     when(!x.relative_half_width, std::string{x.half_width ? "the mean is 0" : "fewer than two realizations"}));
 }
 
+/// What the rule that may end a run makes of the intervals.
+inline std::string_view interval_kind_of(const MonteCarloPage& x) {
+  const bool sequence = x.result.stop && x.result.stop->asked.rule == stochastic::StopRule::always_valid;
+  return sequence ? "of a fixed number, stopped by a confidence sequence" : "sequential, fixed looks";
+}
+
+template <class V>
+void stopping_fields(V& v, const MonteCarloPage& x) {
+  v("interval_kind", when(x.stop_quantity.has_value(), interval_kind_of(x)),
+    "of `quantities` in a run that `stop` ends. They are made as if the number of realizations had been fixed: with "
+    "fixed_looks they hold about what they say all the same, with always_valid only half_width_at_stop holds at every "
+    "look");
+  v("stop", when(x.result.stop.has_value(),
+                 group([&](auto& s) { stop_fields(s, x.result.stop.value_or(scene::StopFigures{})); })));
+}
+
 template <class V>
 void fields(V& v, const MonteCarloPage& x) {
   const stochastic::Figures& f = x.result.figures;
@@ -239,9 +257,7 @@ void fields(V& v, const MonteCarloPage& x) {
                          : stopped == scene::StoppedBy::max ? "not converged"
                                                             : "done",
                          {"done", "not converged", "incomplete"}));
-      w("interval_kind", when(x.stop_quantity.has_value(), "sequential, fixed looks"));
-      w("stop", when(x.result.stop.has_value(),
-                     group([&](auto& s) { stop_fields(s, x.result.stop.value_or(scene::StopFigures{})); })));
+      stopping_fields(w, x);
       w("shard", group([&](auto& s) {
           s("number", x.result.shard.number);
           s("of", x.result.shard.of);

@@ -29,6 +29,7 @@ struct Quantity {
   bool by_slivers = false;   ///< hangs on the thinnest block met: means do not settle
   bool by_case = false;      ///< given for each load case as well
   bool at_parts = false;     ///< needs an opening that is no cut from above
+  bool openings = false;     ///< needs excavations, over whose area it is
   /// Whether the scene of this record asks for it.
   [[nodiscard]] bool asked_in(const Record& record) const noexcept;
 };
@@ -160,8 +161,10 @@ struct FactorPoint {
 /// batch.
 struct PressureExceedance {
   Stress pressure;
-  double probability = 0, block_probability = 0;
-  Interval interval, block_interval;  ///< Clopper-Pearson
+  std::optional<double> probability;  ///< empty without excavations
+  std::optional<Interval> interval;   ///< Clopper-Pearson
+  double block_probability = 0;
+  Interval block_interval;  ///< Clopper-Pearson
 };
 
 struct RunningPoint {
@@ -200,9 +203,8 @@ struct Figures {
   std::vector<PressureExceedance> pressures =
       {};  ///< from the last pressure that all exceed to the first that none does
   /// Of the area of excavations' free faces, that of blocks which the domain's border holds; in the middle half of the
-  /// tunnel; and the length at each end of the tunnel that is lost so, m.
-  double free_area_fixed_share = 0;
-  std::optional<double> middle_fixed_share = {}, guard_length_m = {};
+  /// tunnel; and the length at each end of the tunnel that is lost so, m. Empty where there is no such area.
+  std::optional<double> free_area_fixed_share = {}, middle_fixed_share = {}, guard_length_m = {};
   double surface_fixed_share = 0;  ///< of blocks at free faces, those with a fixed face
   double beside_fixed_share = 0;   ///< of key-block volume, what lies beside a block with a fixed face
   std::vector<std::string> notes;
@@ -224,6 +226,7 @@ struct EnsembleOptions {
   bool groups = false;                   ///< blocks were judged together
   bool clamped = false;                  ///< stress across joints was looked at
   bool at_parts = false;                 ///< an opening is no cut from above: key blocks are counted by where they are
+  bool openings = true;                  ///< there are excavations
   std::size_t orders = 0;                ///< of excavation stages
   std::vector<std::string> cases = {};   ///< names of the load cases, in the order of the records
   std::vector<std::string> sets = {};    ///< names of the joint sets, in the order of the records
@@ -296,7 +299,7 @@ class Ensemble final {
   [[nodiscard]] bool of_case(const Quantity& q) const { return q.by_case && has(q); }
   [[nodiscard]] bool has(const Quantity& q) const {
     return has(q.stability, q.whole_system) && (options_.support || !q.support) && (options_.groups || !q.groups) &&
-           (options_.clamped || !q.clamped) && (options_.at_parts || !q.at_parts);
+           (options_.clamped || !q.clamped) && (options_.at_parts || !q.at_parts) && (options_.openings || !q.openings);
   }
   static const std::vector<Ratio>& ratios();
   [[nodiscard]] static std::size_t index_of(std::string_view quantity);

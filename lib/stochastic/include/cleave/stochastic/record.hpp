@@ -141,6 +141,7 @@ struct CaseTally {
   std::optional<Staying> border;     ///< held only by sides of the domain that are not free, where it was asked
   std::optional<Staying> tapered;    ///< held only because joints close on them by next to nothing, where it was asked
   std::vector<PartTally> at_parts = {};  ///< by Part; empty where there are only cuts from above
+  std::uint64_t lifting = 0;             ///< of the key blocks
   friend bool operator==(const CaseTally&, const CaseTally&) = default;
 };
 
