@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "cut_notes.hpp"
 #include "group_notes.hpp"
@@ -25,6 +26,18 @@ std::vector<std::string> notes_of_input(const Scene& scene, const Realization& m
                     scene.sets[set.set].name, set.line));
   }
   return notes;
+}
+
+/// Mapped joints that no joint of their set shows as they were mapped.
+void add_mapped_note(const Scene& scene, const MappedResult& mapped, std::vector<std::string>& notes) {
+  const std::uint64_t all = mapped.joints.size(), missed = all - mapped.honoured();
+  if (missed == 0) return;
+  const auto worst = std::ranges::max_element(mapped.joints, {}, &MappedJointResult::misfit);
+  const std::string how = std::isfinite(worst->misfit.si())
+                              ? fmt::format("the farthest: {}, {:.3g} m", worst->rows.front(), worst->misfit.si())
+                              : fmt::format("{} misses a pick, or shows one too many", worst->rows.front());
+  notes.push_back(fmt::format("{} of {} mapped {} not honoured within {:g} m; {}; see mapped_joints.csv", missed, all,
+                              all == 1 ? "joints is" : "joints are", scene.mapped->seen.error.si(), how));
 }
 
 /// Blocks that translation leaves in place, but no statics does.
@@ -352,6 +365,7 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   const std::optional<stability::Analysis>& analysis = made.analysis;
   const std::optional<FieldStressResult>& clamped = made.field_stress;
   std::vector<std::string> notes = notes_of_input(scene, made);
+  if (made.mapped) add_mapped_note(scene, *made.mapped, notes);
   if (made.window) {
     notes.push_back(note_on(*made.window));
   } else {

@@ -84,6 +84,11 @@ struct StatedLoads {
 [[nodiscard]] std::optional<FlowSettings> parse_flow(const TableReader& root, const Context& context,
                                                      const std::set<SetId>& used,
                                                      const std::optional<geometry::Solid>& domain);
+/// [mapped]; after the joint sets and the excavations.
+[[nodiscard]] std::optional<MappedSettings> parse_mapped(Context& context, const TableReader& root,
+                                                         const std::vector<RandomSet>& joint_sets,
+                                                         const std::vector<Excavation>& excavations,
+                                                         const std::optional<geometry::Solid>& domain);
 [[nodiscard]] std::vector<ScanLine> parse_lines(const Context& context, const TableReader& root);
 [[nodiscard]] MicroBlocks parse_micro_blocks(const TableReader& root);
 
