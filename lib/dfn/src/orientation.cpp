@@ -17,14 +17,6 @@ namespace {
 
 constexpr double radians(double degrees) { return degrees * (std::numbers::pi / 180); }
 
-/// A normal without dip direction of its own (horizontal joint) keeps the strike it is given.
-Frame frame_of_normal(Vec3 normal, Vec3 strike_if_flat) {
-  if (normal.z < 0) normal = -normal;
-  const double steepness = std::hypot(normal.x, normal.y);
-  if (steepness < 1e-12) return {normal, strike_if_flat};
-  return {normal, Vec3{-normal.y, normal.x, 0} / steepness};
-}
-
 Frame bingham(const BinghamOrientation& law, double u, double v) {
   const Frame mean = frame_of(law.dip.degrees(), law.dip_direction.degrees());
   const Vec3 up_dip = cross(mean.normal, mean.strike);
@@ -60,6 +52,13 @@ Frame bootstrap(const BootstrapOrientation& law, double u, double v) {
 }
 
 }  // namespace
+
+Frame frame_of_normal(Vec3 normal, Vec3 strike_if_flat) noexcept {
+  if (normal.z < 0) normal = -normal;
+  const double steepness = std::hypot(normal.x, normal.y);
+  if (steepness < 1e-12) return {normal, strike_if_flat};
+  return {normal, Vec3{-normal.y, normal.x, 0} / steepness};
+}
 
 Frame turned_by_fisher(geometry::Vec3 normal, double kappa, double u, double v) noexcept {
   return about(frame_of_normal(normal, {-1, 0, 0}), kappa, u, v);

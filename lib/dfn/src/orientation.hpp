@@ -14,6 +14,8 @@ struct Frame {
 /// Of a plane with dip and dip direction in degrees; dips outside [0, 90] are folded back (-10 -> 10 the other way, 100
 /// -> 80 the other way).
 [[nodiscard]] Frame frame_of(double dip_degrees, double dip_direction_degrees) noexcept;
+/// Of a normal; one without dip direction of its own (horizontal joint) keeps the strike it is given.
+[[nodiscard]] Frame frame_of_normal(geometry::Vec3 normal, geometry::Vec3 strike_if_flat) noexcept;
 /// One draw of Fisher's law about a normal; u, v in (0, 1).
 [[nodiscard]] Frame turned_by_fisher(geometry::Vec3 normal, double kappa, double u, double v) noexcept;
 /// Of the law's mean.

@@ -34,6 +34,12 @@ std::vector<Vec3> corners_of(const JointOutline& outline, Vec3 centre, std::span
   return corners;
 }
 
+JointOutline outline_of(const Frame& frame, double rotation, const HalfAxes& half, std::uint32_t sides) noexcept {
+  const Vec3 up_dip = cross(frame.normal, frame.strike);
+  const double c = std::cos(rotation), s = std::sin(rotation);
+  return {c * frame.strike + s * up_dip, c * up_dip - s * frame.strike, half.first, half.second, sides};
+}
+
 bool surely_valid(const JointOutline& outline, Vec3 centre) noexcept {
   const double far =
       std::max({std::abs(centre.x), std::abs(centre.y), std::abs(centre.z)}) + std::max(outline.first, outline.second);

@@ -6,6 +6,8 @@
 
 #include "cleave/core/vec2.hpp"
 #include "cleave/dfn/sample.hpp"
+#include "orientation.hpp"
+#include "shape.hpp"
 
 namespace cleave::dfn::detail {
 
@@ -16,6 +18,10 @@ using FlatPoint = Vec2;
 /// `unit`: those of outline.sides.
 [[nodiscard]] std::vector<geometry::Vec3> corners_of(const JointOutline& outline, geometry::Vec3 centre,
                                                      std::span<const FlatPoint> unit);
+
+/// Half sizes turned in the joint's plane: `rotation` in radians, from the strike.
+[[nodiscard]] JointOutline outline_of(const Frame& frame, double rotation, const HalfAxes& half,
+                                      std::uint32_t sides) noexcept;
 
 /// Whether the corners are so far apart, against the rounding of coordinates, that they make a valid polygon for
 /// certain.

@@ -97,7 +97,6 @@ class Sampler final {
   }
   [[nodiscard]] std::uint32_t count() const;
   [[nodiscard]] Vec3 centre(std::uint32_t i) const;
-  [[nodiscard]] double rotation(std::uint32_t i) const;
   [[nodiscard]] std::optional<SampledJoint> plane(std::uint32_t i) const;
   /// By (1 + 2e-9) of its half sizes in each direction.
   [[nodiscard]] bool may_meet(std::uint32_t i, Vec3 centre, std::optional<detail::HalfAxes>& half);
@@ -137,20 +136,6 @@ Vec3 Sampler::centre(std::uint32_t i) const {
   p.y = region_.box.min.y + rng.uniform() * s.y;
   p.z = region_.box.min.z + rng.uniform() * s.z;
   return p;
-}
-
-double Sampler::rotation(std::uint32_t i) const {
-  return std::visit(overloaded{
-                        [](const FixedRotation& r) { return r.angle.radians(); },
-                        [&](const UniformRotation& r) {
-                          const double u = stream(Draw::rotation, i).uniform();
-                          return r.from.radians() + u * (r.to.radians() - r.from.radians());
-                        },
-                        [&](const NormalRotation& r) {
-                          return r.mean.radians() + stream(Draw::rotation, i).normal() * r.std.radians();
-                        },
-                    },
-                    set_.spec().rotation);
 }
 
 detail::Frame draw_frame(const OrientationLaw& law, const detail::Frame& mean, Rng rng) {
@@ -194,10 +179,8 @@ bool Sampler::may_meet(std::uint32_t i, Vec3 centre, std::optional<detail::HalfA
 }
 
 JointOutline Sampler::outline(std::uint32_t i, const detail::Frame& frame, const detail::HalfAxes& half) const {
-  const double angle = rotation(i);
-  const Vec3 up_dip = cross(frame.normal, frame.strike);
-  const double c = std::cos(angle), s = std::sin(angle);
-  return {c * frame.strike + s * up_dip, c * up_dip - s * frame.strike, half.first, half.second, size_.sides()};
+  return detail::outline_of(frame, detail::draw_rotation(set_.spec().rotation, stream(Draw::rotation, i)), half,
+                            size_.sides());
 }
 
 std::expected<std::vector<SampledJoint>, SampleError> Sampler::run() {

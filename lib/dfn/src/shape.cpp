@@ -110,4 +110,15 @@ HalfAxes SizeDrawer::draw(double u, double v) const {
                     *shape_);
 }
 
+double draw_rotation(const RotationLaw& law, Rng rng) noexcept {
+  return std::visit(overloaded{
+                        [](const FixedRotation& r) { return r.angle.radians(); },
+                        [&](const UniformRotation& r) {
+                          return r.from.radians() + rng.uniform() * (r.to.radians() - r.from.radians());
+                        },
+                        [&](const NormalRotation& r) { return r.mean.radians() + rng.normal() * r.std.radians(); },
+                    },
+                    law);
+}
+
 }  // namespace cleave::dfn::detail

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "cleave/core/rng.hpp"
 #include "cleave/dfn/joint_set.hpp"
 
 namespace cleave::dfn::detail {
@@ -32,5 +33,8 @@ class SizeDrawer final {
   std::uint32_t sides_ = 0;
   double stretch_ = 1;  // that gives the polygon the circle's area
 };
+
+/// In the joint's plane, radians from the strike.
+[[nodiscard]] double draw_rotation(const RotationLaw& law, Rng rng) noexcept;
 
 }  // namespace cleave::dfn::detail

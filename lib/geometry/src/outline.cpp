@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "cleave/geometry/triangulate.hpp"
+
 namespace cleave::geometry {
 namespace {
 
@@ -36,15 +38,6 @@ Vec3 spread_normal(const std::vector<Vec3>& corners) {
   }
   const double length = norm(b - a);
   return length > 0 ? best / length : best;  // now as long as the distance only, so that no square overflows
-}
-
-/// Newell's normal, twice the area long; about the first corner, because far from 0 the products would cancel.
-Vec3 area_vector(const std::vector<Vec3>& corners) {
-  Vec3 sum{};
-  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
-    sum += cross(corners[i] - corners.front(), corners[i + 1] - corners.front());
-  }
-  return sum;
 }
 
 /// Pairs of edges that meet where they may not; the pair of the lowest numbers. Sweep over the edges sorted by their

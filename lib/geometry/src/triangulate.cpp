@@ -81,4 +81,12 @@ std::expected<std::vector<Triangle>, PolygonError> triangulate(std::span<const V
   return triangles;
 }
 
+Vec3 area_vector(std::span<const Vec3> corners) noexcept {
+  Vec3 sum{};
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+    sum += cross(corners[i] - corners.front(), corners[i + 1] - corners.front());
+  }
+  return sum;
+}
+
 }  // namespace cleave::geometry

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cleave/geometry/triangulate.hpp"
+
 namespace cleave::scene {
 
 Box box_of(const geometry::Solid& solid) noexcept { return geometry::box_of(solid.vertices()); }
@@ -12,14 +14,7 @@ geometry::Vec3 upward(geometry::Vec3 n) noexcept {
   return down ? -n : n;
 }
 
-geometry::Vec3 area_vector(const geometry::Polygon& polygon) {
-  const auto corners = polygon.corners();
-  geometry::Vec3 sum;
-  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
-    sum += geometry::cross(corners[i] - corners[0], corners[i + 1] - corners[0]);
-  }
-  return sum;
-}
+geometry::Vec3 area_vector(const geometry::Polygon& polygon) { return geometry::area_vector(polygon.corners()); }
 
 namespace {
 

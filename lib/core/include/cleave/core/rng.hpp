@@ -25,6 +25,7 @@ enum class Draw : std::uint8_t {
   cohesion = 8,
   tension = 9,
   aperture = 10,
+  mapped = 11,
 };
 
 /// The purpose word of a stream: 256 * set number (order in the scene file, from 0) + what is drawn.

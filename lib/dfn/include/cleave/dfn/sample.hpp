@@ -97,7 +97,7 @@ struct MappedHole {
 /// The trace of one joint on one face.
 struct MappedTrace {
   std::size_t face = 0;
-  std::array<geometry::Vec3, 2> ends;       ///< m, in the face's plane
+  std::array<geometry::Vec3, 2> ends;         ///< m, in the face's plane
   std::array<bool, 2> goes_on{false, false};  ///< the joint does not end there: the face does
 };
 /// Where a hole goes through a joint.
@@ -144,7 +144,7 @@ struct HonouredJoint {
   /// The farthest that an end or a pick lies from what was mapped, or the longest trace that was not; infinite: a hole
   /// goes through that picked nothing, or misses what it picked.
   Length misfit;
-  bool honours;  ///< misfit at most Mapping::error
+  bool honours;  ///< misfit at most Mapping::error, and its set has joints that would be seen so
 };
 
 /// One joint for each of `Mapping::joints`, in their order: a draw of the laws of its set given what was seen of it.
@@ -160,7 +160,7 @@ struct HonouredJoint {
 [[nodiscard]] Length longest_trace(const JointSet& set);
 
 /// Joins mapped joints that meet at the border of two faces: the trace of one goes on where that of the other does,
-/// within `Mapping::error`, nearest first. Returns how many were joined.
-std::size_t join_round_corners(Mapping& mapping);
+/// within `Mapping::error`, nearest first. For each joint of before: its number now.
+std::vector<std::size_t> join_round_corners(Mapping& mapping);
 
 }  // namespace cleave::dfn

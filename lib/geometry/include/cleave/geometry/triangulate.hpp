@@ -18,4 +18,8 @@ namespace cleave::geometry {
 [[nodiscard]] std::expected<std::vector<std::array<std::uint32_t, 3>>, PolygonError> triangulate(
     std::span<const Vec3> corners);
 
+/// Newell's normal of a ring of corners, twice its area long; about the first corner, because far from 0 the products
+/// would cancel.
+[[nodiscard]] Vec3 area_vector(std::span<const Vec3> corners) noexcept;
+
 }  // namespace cleave::geometry
