@@ -11,7 +11,19 @@
 namespace cleave::scene {
 namespace {
 
-/// What was said of the scene as it was read, and sets of which nothing was drawn.
+/// Mapped joints that no joint of their set shows as they were mapped.
+void add_mapped_note(const Scene& scene, const MappedResult& mapped, std::vector<std::string>& notes) {
+  const std::uint64_t all = mapped.joints.size(), missed = all - mapped.honoured();
+  if (missed == 0) return;
+  const auto worst = std::ranges::max_element(mapped.joints, {}, &MappedJointResult::misfit);
+  const std::string how = std::isfinite(worst->misfit.si())
+                              ? fmt::format("the farthest: {}, {:.3g} m", worst->rows.front(), worst->misfit.si())
+                              : fmt::format("{} misses a pick, or shows one too many", worst->rows.front());
+  notes.push_back(fmt::format("{} of {} mapped {} not honoured within {:g} m; {}; see mapped_joints.csv", missed, all,
+                              all == 1 ? "joints is" : "joints are", scene.mapped->seen.error.si(), how));
+}
+
+/// What was said of the scene as it was read, sets of which nothing was drawn, and mapped joints that are not shown.
 std::vector<std::string> notes_of_input(const Scene& scene, const Realization& made) {
   std::vector<std::string> notes;
   for (const Problem& note : scene.notes) notes.push_back(describe(note));
@@ -25,19 +37,8 @@ std::vector<std::string> notes_of_input(const Scene& scene, const Realization& m
                     "check its intensity and size, in metres",
                     scene.sets[set.set].name, set.line));
   }
+  if (made.mapped) add_mapped_note(scene, *made.mapped, notes);
   return notes;
-}
-
-/// Mapped joints that no joint of their set shows as they were mapped.
-void add_mapped_note(const Scene& scene, const MappedResult& mapped, std::vector<std::string>& notes) {
-  const std::uint64_t all = mapped.joints.size(), missed = all - mapped.honoured();
-  if (missed == 0) return;
-  const auto worst = std::ranges::max_element(mapped.joints, {}, &MappedJointResult::misfit);
-  const std::string how = std::isfinite(worst->misfit.si())
-                              ? fmt::format("the farthest: {}, {:.3g} m", worst->rows.front(), worst->misfit.si())
-                              : fmt::format("{} misses a pick, or shows one too many", worst->rows.front());
-  notes.push_back(fmt::format("{} of {} mapped {} not honoured within {:g} m; {}; see mapped_joints.csv", missed, all,
-                              all == 1 ? "joints is" : "joints are", scene.mapped->seen.error.si(), how));
 }
 
 /// Blocks that translation leaves in place, but no statics does.
@@ -365,7 +366,6 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   const std::optional<stability::Analysis>& analysis = made.analysis;
   const std::optional<FieldStressResult>& clamped = made.field_stress;
   std::vector<std::string> notes = notes_of_input(scene, made);
-  if (made.mapped) add_mapped_note(scene, *made.mapped, notes);
   if (made.window) {
     notes.push_back(note_on(*made.window));
   } else {

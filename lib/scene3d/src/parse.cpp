@@ -235,6 +235,13 @@ void check_stop(const TableReader& root, const stochastic::Stop& stop, bool judg
   }
 }
 
+std::set<SetId> sets_with_joints(const std::vector<MeasuredJoint>& joints, const std::vector<RandomSet>& joint_sets) {
+  std::set<SetId> used;
+  for (const MeasuredJoint& joint : joints) used.insert(joint.set);
+  for (const RandomSet& set : joint_sets) used.insert(set.set);
+  return used;
+}
+
 }  // namespace
 
 std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::string& shown,
@@ -269,9 +276,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   std::vector<ScanLine> lines = parse_lines(context, root);
   ParsedStability stability = parse_stability(context, root, domain, excavations);
   std::optional<SupportSettings> support = parse_support(context, root, excavations, stability.settings);
-  std::set<SetId> used;
-  for (const MeasuredJoint& joint : joints) used.insert(joint.set);
-  for (const RandomSet& set : joint_sets) used.insert(set.set);
+  const std::set<SetId> used = sets_with_joints(joints, joint_sets);
   std::optional<FieldStressSettings> field_stress = parse_field_stress(root, context, used, rock, excavations);
   std::optional<FlowSettings> flow = parse_flow(root, context, used, domain);
   OutputSettings output = parse_output(root);
