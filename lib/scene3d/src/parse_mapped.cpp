@@ -223,8 +223,8 @@ std::optional<MappedSettings> parse_mapped(Context& context, const TableReader& 
   parse_mapped_rows(context, table, joint_sets, settings);
   if (context.problems.errors() == before) note_mapped(context, joint_sets, domain, settings);
   if (root.has("monte_carlo")) {
-    table.note("face", "and its rows are honoured in all realizations; how often one is not is not counted",
-               "cleave replay shows it for one realization");
+    context.problems.note(settings.line, "mapped", "how often a joint is not honoured is not counted in ensembles",
+                          "cleave replay shows it for one realization");
   }
   return settings;
 }
