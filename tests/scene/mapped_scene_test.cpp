@@ -214,7 +214,7 @@ TEST(MappedScene, WhatCannotBeHonouredIsSaid) {
   const RunResult result = run_of(text, {{"p.csv", "hole,set,joint,depth\n1,A,j,2\n2,A,j,3.5\n3,A,j,2\n"}});
   ASSERT_TRUE(result.mapped.has_value());
   EXPECT_FALSE(result.mapped->joints[0].honours);
-  EXPECT_EQ(notes_with(result, "1 of 1 mapped joints is not honoured within 0.1 m"), 1U);
+  EXPECT_EQ(notes_with(result, "1 of 1 mapped joints is not honoured within 0.1 m and by the laws of its set"), 1U);
   EXPECT_EQ(notes_with(result, "p.csv:2"), 1U);
 }
 
@@ -250,6 +250,7 @@ TEST(MappedScene, WrongTablesAreRefused) {
       wrong(set_of("A"), "[mapped]\n[[mapped.face]]\ncorners = [[4, 1, 1], [4, 7, 1], [4.5, 7, 5], [4, 1, 5]]\n")
           .contains("mapped.face[1].corners"));
   EXPECT_TRUE(wrong(set_of("A", "intensity = { count = 20 }\n"), "[mapped]\n" + face).contains("set \"A\" (line "));
+  EXPECT_TRUE(wrong(set_of("A", "intensity = { p32 = 0 }\n"), "[mapped]\n" + face).contains("has the intensity 0"));
   const std::string endless =
       "[[joint_set]]\nname = \"P\"\norientation = { dip = 70, dip_direction = 0 }\nsize = \"persistent\"\nintensity = "
       "{ "

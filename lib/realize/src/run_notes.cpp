@@ -15,12 +15,20 @@ namespace {
 void add_mapped_note(const Scene& scene, const MappedResult& mapped, std::vector<std::string>& notes) {
   const std::uint64_t all = mapped.joints.size(), missed = all - mapped.honoured();
   if (missed == 0) return;
-  const auto worst = std::ranges::max_element(mapped.joints, {}, &MappedJointResult::misfit);
-  const std::string how = std::isfinite(worst->misfit.si())
-                              ? fmt::format("the farthest: {}, {:.3g} m", worst->rows.front(), worst->misfit.si())
-                              : fmt::format("{} misses a pick, or shows one too many", worst->rows.front());
-  notes.push_back(fmt::format("{} of {} mapped {} not honoured within {:g} m; {}; see mapped_joints.csv", missed, all,
-                              all == 1 ? "joints is" : "joints are", scene.mapped->seen.error.si(), how));
+  const MappedJointResult* worst = nullptr;
+  for (const MappedJointResult& joint : mapped.joints) {
+    if (!joint.honours && (worst == nullptr || joint.misfit > worst->misfit)) worst = &joint;
+  }
+  const std::string& row = worst->rows.front();
+  const std::string how =
+      !std::isfinite(worst->misfit.si())         ? fmt::format("{} misses a pick, or shows one too many", row)
+      : worst->misfit > scene.mapped->seen.error ? fmt::format("the farthest: {}, {:.3g} m", row, worst->misfit.si())
+                                                 : fmt::format("of {} its set has hardly such joints", row);
+  notes.push_back(
+      fmt::format("{} of {} mapped {} not honoured within {:g} m and by the laws of {}; {}; see "
+                  "mapped_joints.csv",
+                  missed, all, all == 1 ? "joints is" : "joints are", scene.mapped->seen.error.si(),
+                  missed == 1 ? "its set" : "their sets", how));
 }
 
 /// What was said of the scene as it was read, sets of which nothing was drawn, and mapped joints that are not shown.

@@ -131,6 +131,11 @@ void parse_sets(const Context& context, const TableReader& table, const std::vec
                   fmt::format("{}, or name the other sets in mapped.sets: this one is then drawn as if nothing had "
                               "been seen",
                               why->remedy));
+    } else if (!(joint_sets[number].law.expected_p32(1) > 0)) {
+      table.error("sets",
+                  fmt::format("set \"{}\" (line {}) has the intensity 0: none of its joints can have been seen",
+                              known[number].substr(0, 60), joint_sets[number].line),
+                  "give it the intensity that was estimated, or name the other sets in mapped.sets");
     }
   };
   if (!named) {

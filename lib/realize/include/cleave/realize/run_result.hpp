@@ -301,7 +301,7 @@ void fields(V& v, const MappedJointResult& x) {
   v("misfit_m", x.misfit,
     "the farthest that an end of a trace or a pick lies from what was mapped, or the longest trace that was not; inf: "
     "it misses a pick, or goes through a hole that shows nothing there");
-  v("honours", x.honours, "1: no more than mapped.error");
+  v("honours", x.honours, "1: no more than mapped.error, and the set has joints that would be seen so");
   v("dip", x.dip.degrees(), "degrees");
   v("dip_direction", x.dip_direction.degrees(), "degrees clockwise from the y axis");
   v("x_m", x.centre.x, "centre of the joint");
@@ -330,7 +330,8 @@ void fields(V& v, const MappedResult& x) {
   v("faces", x.faces);
   v("holes", x.holes);
   v("joints", x.joints.size(), "that were mapped, each with all its traces and picks");
-  v("honoured", x.honoured(), "of them: the joint that was drawn shows what was mapped, within mapped.error");
+  v("honoured", x.honoured(),
+    "of them: the joint that was drawn shows what was mapped, within mapped.error, and by the laws of its set");
   v("not_honoured", x.joints.size() - x.honoured());
   v("largest_misfit_m", or_null(x.largest_misfit().si()), "see mapped_joints.csv; null: a pick was missed");
   v("largest_misfit_reason",
