@@ -44,9 +44,9 @@ struct Planes {
   double longest;
 };
 
-class Pairs final {
+class Comparison final {
  public:
-  Pairs(const std::vector<RandomSet>& joint_sets, const MappedSettings& settings) : settings_{settings} {
+  Comparison(const std::vector<RandomSet>& joint_sets, const MappedSettings& settings) : settings_{settings} {
     for (std::size_t i = 0; i < joint_sets.size(); ++i) {
       const dfn::JointSet& law = joint_sets[i].law;
       // The angle to the mean of 95 % of the joints of a law like Fisher's, over the mean square angle: 1.73.
@@ -111,7 +111,7 @@ void note_pairs(Context& context, const std::vector<RandomSet>& joint_sets, cons
                           "traces of one joint on several faces need the same `joint`");
     return;
   }
-  const Pairs pairs{joint_sets, settings};
+  const Comparison pairs{joint_sets, settings};
   const auto named = [&](const Seen& t) {
     const MappedSettings::Source& source = settings.sources[t.joint];
     return source.name != fmt::format("{}:{}", source.rows.front().file, source.rows.front().line);
