@@ -300,6 +300,7 @@ TEST(MappedScene, RealizationsOfOneGeometryAreTheSameAlone) {
   const auto centre = [&](std::uint64_t k) { return sample(scene, k).value().mapped->joints[0].centre; };
   EXPECT_EQ(centre(2), centre(3));
   EXPECT_NE(centre(1), centre(2));
+  EXPECT_TRUE(has_note(scene, "how often a joint is not honoured is not counted in ensembles"));
   EXPECT_TRUE(make_plan(scene).runs(Step::draw));
   EXPECT_TRUE(make_costed_plan(scene).has_value());
 }
