@@ -1,5 +1,6 @@
-/// Any bytes as a table of joints, and as a map of traces in each of its formats: figures that are finite or an error
-/// that names the place, never a crash. A table that was read is written and read back as the same.
+/// Any bytes as a table of joints, of mapped traces and picks, and as a map of traces in each of its formats: figures
+/// that are finite or an error that names the place, never a crash. A table that was read is written and read back as
+/// the same.
 
 #include <cmath>
 #include <string>
@@ -26,6 +27,23 @@ void check_table(const std::string& text, const cleave::io::JointCsvOptions& opt
   CLEAVE_ASSERT(again.has_value() && again->rows.size() == table->rows.size());
 }
 
+void check_mapped(const std::string& text) {
+  const auto traces = cleave::io::parse_trace_csv(text, "fuzz.csv");
+  if (traces) {
+    for (const auto& row : traces->rows) {
+      CLEAVE_ASSERT(is_finite(row.ends[0]) && is_finite(row.ends[1]) && row.line > 1);
+    }
+  } else {
+    for (const auto& error : traces.error()) check_error(error);
+  }
+  const auto picks = cleave::io::parse_pick_csv(text, "fuzz.csv");
+  if (picks) {
+    for (const auto& row : picks->rows) CLEAVE_ASSERT(row.depth.has_value() != row.position.has_value());
+  } else {
+    for (const auto& error : picks.error()) check_error(error);
+  }
+}
+
 }  // namespace
 
 CLEAVE_FUZZ_TARGET(bytes) {
@@ -33,6 +51,7 @@ CLEAVE_FUZZ_TARGET(bytes) {
   for (const bool wrap : {false, true}) {
     for (const bool need_position : {false, true}) check_table(text, {.wrap = wrap, .need_position = need_position});
   }
+  check_mapped(text);
   for (const char* name : {"fuzz.geojson", "fuzz.csv", "fuzz.txt"}) {
     const auto map = cleave::io::parse_trace_map(text, name);
     if (!map) {

@@ -68,6 +68,26 @@ TEST_F(GeometryExamples, WaterComesIntoATunnelByItsFaultBeforeAll) {
   EXPECT_TRUE(read("tunnel_inflow/report.html").contains("Water in the joints"));
 }
 
+TEST_F(GeometryExamples, ATunnelAdvancesInMappedRock) {
+  const auto result = result_of("tunnel_advance");
+  const auto& mapped = result["mapped"];
+  EXPECT_EQ(mapped["faces"], 5);
+  EXPECT_EQ(mapped["holes"], 1);
+  const int joints = mapped["joints"];
+  EXPECT_EQ(joints, 20);
+  EXPECT_GE(mapped["honoured"].get<int>(), 0.95 * joints);
+  EXPECT_GT(mapped["random_joints_taken_out"], 10);
+  EXPECT_EQ(result["input"]["files"].size(), 2U);
+  std::istringstream rows{read("tunnel_advance/mapped_joints.csv")};
+  std::string line;
+  int count = -1;  // the header
+  while (std::getline(rows, line)) ++count;
+  EXPECT_EQ(count, joints);
+  EXPECT_TRUE(read("tunnel_advance/report.html").contains("Joints that were mapped"));
+  const Ended check = cleave("check '" + file("tunnel_advance", "tunnel_advance.toml") + "'");
+  EXPECT_EQ(check.code, 0) << check.err;
+}
+
 TEST_F(GeometryExamples, DomainsFromTrianglesAndMeshes) {
   const auto knoll = result_of("knoll");
   EXPECT_EQ(knoll["blocks"]["count"], 4);

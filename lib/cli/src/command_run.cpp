@@ -35,6 +35,7 @@ Written write_files(scene::RunResult& result, const std::filesystem::path& folde
   CLEAVE_CHECK(report::write_blocks_vtu(result, folder));
   CLEAVE_CHECK(report::write_dangling(result, folder));
   CLEAVE_CHECK(report::write_motion(result, folder));
+  CLEAVE_CHECK(report::write_mapped(result, folder));
   CLEAVE_CHECK(report::write_flow(result, folder));
   for (const auto write : {report::write_exports, report::write_sections}) {
     CLEAVE_TRY(std::vector<std::string> notes, write(result, folder));

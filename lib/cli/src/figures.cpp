@@ -148,6 +148,11 @@ std::string motion_line(const scene::MotionResult& motion) {
                              : say("  {left} blocks left the domain, at most {fastest_left_m_s:.3g} m/s\n", motion));
 }
 
+std::string mapped_line(const scene::MappedResult& mapped) {
+  return say("mapped       {honoured} of {joints} joints honoured, {random_joints_taken_out} random ones taken out\n",
+             mapped);
+}
+
 std::string flow_line(const scene::FlowResult& flow) {
   return say("water        joints hang together in {clusters} clusters", flow) +
          (flow.flow
@@ -173,6 +178,7 @@ std::string figures_of(const scene::RunResult& result) {
   const scene::Figures& figures = result.figures;
   std::string text =
       result.title + "\n" + say("joints       {joints}", figures.input) + fmt::format(", seed {}\n", result.seed);
+  if (result.mapped) text += mapped_line(*result.mapped);
   text += lines_of(figures.input.excavations, "excavated    {name}, {volume_m3} m3\n",
                    "             {name}, {volume_m3} m3\n") +
           more_than_shown(figures.input.excavations.size(), "             ", "");

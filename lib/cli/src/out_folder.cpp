@@ -23,14 +23,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 35> result_files{
-    "summary.json",   "blocks.vtu",      "dangling.vtu",       "dangling.obj",         "key_blocks.csv",
-    "survey.json",    "bolts.csv",       "load_cases.csv",     "report.html",          "log.txt",
-    "bodies.vtu",     "sets.toml",       "bodies.pvd",         "realizations.csv",     "realizations.csv.part",
-    "scene.toml",     "points.csv",      "support_blocks.csv", "combined_blocks.csv",  "maximum_blocks.csv",
-    "contact.pvd",    "history.csv",     "bodies.csv",         "section.toml",         "stress.csv",
-    "key_groups.csv", "motion.csv",      "motion.pvd",         "supported_groups.csv", "contact.state",
-    "motion.state",   "block_sizes.csv", "border_blocks.csv",  "flow_joints.csv",      "flow.vtu"};
+constexpr std::array<std::string_view, 36> result_files{
+    "summary.json",     "blocks.vtu",      "dangling.vtu",       "dangling.obj",         "key_blocks.csv",
+    "survey.json",      "bolts.csv",       "load_cases.csv",     "report.html",          "log.txt",
+    "bodies.vtu",       "sets.toml",       "bodies.pvd",         "realizations.csv",     "realizations.csv.part",
+    "scene.toml",       "points.csv",      "support_blocks.csv", "combined_blocks.csv",  "maximum_blocks.csv",
+    "contact.pvd",      "history.csv",     "bodies.csv",         "section.toml",         "stress.csv",
+    "key_groups.csv",   "motion.csv",      "motion.pvd",         "supported_groups.csv", "contact.state",
+    "motion.state",     "block_sizes.csv", "border_blocks.csv",  "flow_joints.csv",      "flow.vtu",
+    "mapped_joints.csv"};
 /// One time of a moving scene: bodies_0000.vtu or contact_0000.vtu and on.
 bool is_frame(std::string_view name) {
   const std::size_t head = name.starts_with("bodies_")    ? 7

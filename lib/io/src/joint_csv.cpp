@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <iterator>
 #include <utility>
 
 #include "cleave/core/expected.hpp"
@@ -15,14 +14,13 @@
 #include "cleave/core/units.hpp"
 #include "cleave/io/field_tables.hpp"
 #include "cleave/io/file.hpp"
+#include "column_reader.hpp"
 #include "csv_table.hpp"
 #include "joint_slips.hpp"
 #include "text.hpp"
 
 namespace cleave::io {
 namespace {
-
-constexpr std::size_t most_problems = 20;
 
 enum class Column : std::uint8_t {
   dip,
@@ -46,33 +44,26 @@ enum class Column : std::uint8_t {
 };
 constexpr std::size_t column_count = 18;
 
-/// First the name we write, then what else is understood.
-struct Names {
-  Column column;
-  std::string_view unit;  ///< empty: text
-  std::array<std::string_view, 7> names;
-};
-constexpr std::array<Names, column_count> known{{
-    {Column::dip, "degrees", {"dip", "dip_angle", "dipangle"}},
-    {Column::dip_direction,
-     "degrees",
-     {"dip_direction", "dipdirection", "dipdir", "dip_dir", "dip_azimuth", "dd", "azimuth"}},
-    {Column::strike, "degrees", {"strike"}},
-    {Column::trend, "degrees", {"trend", "pole_trend"}},
-    {Column::plunge, "degrees", {"plunge", "pole_plunge"}},
-    {Column::x, "m", {"x", "easting", "east"}},
-    {Column::y, "m", {"y", "northing", "north"}},
-    {Column::z, "m", {"z", "elevation"}},
-    {Column::radius, "m", {"radius"}},
-    {Column::diameter, "m", {"diameter", "diam"}},
-    {Column::side_a, "m", {"side_a"}},
-    {Column::side_b, "m", {"side_b"}},
-    {Column::rotation, "degrees", {"rotation"}},
-    {Column::friction, "degrees", {"friction", "friction_angle", "frictionangle", "phi"}},
-    {Column::cohesion, "Pa", {"cohesion"}},
-    {Column::tension, "Pa", {"tension", "tensile_strength"}},
-    {Column::set, "", {"set"}},
-    {Column::id, "", {"id"}},
+/// In the order of `Column`.
+constexpr std::array<ColumnNames, column_count> known{{
+    {"degrees", {"dip", "dip_angle", "dipangle"}},
+    {"degrees", {"dip_direction", "dipdirection", "dipdir", "dip_dir", "dip_azimuth", "dd", "azimuth"}},
+    {"degrees", {"strike"}},
+    {"degrees", {"trend", "pole_trend"}},
+    {"degrees", {"plunge", "pole_plunge"}},
+    {"m", {"x", "easting", "east"}},
+    {"m", {"y", "northing", "north"}},
+    {"m", {"z", "elevation"}},
+    {"m", {"radius"}},
+    {"m", {"diameter", "diam"}},
+    {"m", {"side_a"}},
+    {"m", {"side_b"}},
+    {"degrees", {"rotation"}},
+    {"degrees", {"friction", "friction_angle", "frictionangle", "phi"}},
+    {"Pa", {"cohesion"}},
+    {"Pa", {"tension", "tensile_strength"}},
+    {"", {"set"}},
+    {"", {"id"}},
 }};
 
 /// What stands for a column in other tables and may be something else here.
@@ -88,19 +79,20 @@ std::string_view name_of(Column column) { return known[index(column)].names[0]; 
 class TableReader final {
  public:
   TableReader(const CsvTable& csv, std::string_view file, const JointCsvOptions& options)
-      : csv_{csv}, file_{file}, options_{options} {}
+      : csv_{csv}, columns_{csv, file, known}, options_{options} {}
 
   std::expected<JointTable, std::vector<ReadError>> run() {
     read_header();
-    if (!problems_.empty()) return std::unexpected(std::move(problems_));
+    if (columns_.problems() > 0) return std::unexpected(columns_.take_problems());
     for (const CsvTable::Row& row : csv_.rows) {
       read_row(row);
-      if (problems_.size() >= most_problems) break;
+      if (columns_.problems() >= ColumnReader::most_problems) break;
     }
-    if (problems_.empty() && table_.rows.empty()) {
-      report(ReadFault::empty, {}, {}, "has a header but no joints", "add a line for each joint");
+    if (columns_.problems() == 0 && table_.rows.empty()) {
+      columns_.report(ReadFault::empty, {}, {}, "has a header but no joints", "add a line for each joint");
     }
-    if (!problems_.empty()) return std::unexpected(std::move(problems_));
+    if (columns_.problems() > 0) return std::unexpected(columns_.take_problems());
+    table_.notes = std::move(columns_.notes());
     note_radians();
     const bool sized = has(Column::radius) || has(Column::diameter) || has(Column::side_a);
     for (auto& note : {sized ? note_on_endless(table_.rows) : std::nullopt, note_on_repeated(table_.rows)}) {
@@ -110,45 +102,10 @@ class TableReader final {
   }
 
  private:
-  using Number = std::optional<std::uint32_t>;  // from 1
-  static std::uint32_t nth(std::size_t column) { return static_cast<std::uint32_t>(column) + 1; }
-  void report(ReadFault fault, Number line, Number column, std::string what, std::string remedy) {
-    if (problems_.size() >= most_problems) return;
-    problems_.push_back({fault, std::string{file_}, line, column, std::move(what), std::move(remedy)});
-  }
-
   // ---- header
   // -----------------------------------------------------------------------------------------------------------
 
-  [[nodiscard]] bool has(Column column) const { return place_[index(column)].has_value(); }
-
-  void take_unit(const Names& column, std::string_view stated) {
-    if (column.unit.empty() || stated.empty()) return;
-    unit_[index(column.column)] = find_unit(column.unit, stated);
-    if (unit_[index(column.column)] != nullptr) return;
-    report(ReadFault::bad_columns, csv_.header_line, {},
-           fmt::format("the unit {} of column {} is not understood", shown(stated), name_of(column.column)),
-           fmt::format("state it in {}, or in another unit of that kind", column.unit));
-  }
-
-  /// What a cell of the header names, and its unit: behind the name in brackets, or after an underscore ("radius_mm").
-  struct Head {
-    const Names* column = nullptr;
-    std::string_view unit = {};
-  };
-  static Head head_of(std::string_view cell, std::string_view unit) {
-    const auto column_of = [](std::string_view name) -> const Names* {
-      const auto named = [&](const Names& k) { return std::ranges::find(k.names, name) != k.names.end(); };
-      const auto at = name.empty() ? known.end() : std::ranges::find_if(known, named);
-      return at == known.end() ? nullptr : std::to_address(at);
-    };
-    if (const Names* column = column_of(cell)) return {column, unit};
-    const std::size_t at = cell.rfind('_');
-    if (at == std::string_view::npos || !unit.empty()) return {};
-    const Names* column = column_of(cell.substr(0, at));
-    if (column == nullptr || column->unit.empty() || find_unit(column->unit, cell.substr(at + 1)) == nullptr) return {};
-    return {column, cell.substr(at + 1)};
-  }
+  [[nodiscard]] bool has(Column column) const { return columns_.has(index(column)); }
 
   /// Of a name that is not understood: the column of which it may be a slip or a short form.
   static std::optional<Column> may_mean(std::string_view cell) {
@@ -157,10 +114,10 @@ class TableReader final {
     }
     if (cell.size() <= 3) return std::nullopt;
     std::vector<std::string_view> names;
-    for (const Names& k : known) names.push_back(k.names[0]);
+    for (const ColumnNames& k : known) names.push_back(k.names[0]);
     const auto guess = nearest(cell, names);
     if (!guess) return std::nullopt;
-    return known[static_cast<std::size_t>(std::ranges::find(names, *guess) - names.begin())].column;
+    return static_cast<Column>(std::ranges::find(names, *guess) - names.begin());
   }
   static bool is_size(Column column) {
     return column == Column::radius || column == Column::diameter || column == Column::side_a ||
@@ -178,47 +135,31 @@ class TableReader final {
 
   void read_header() {
     const auto wrong = [&](std::string what, std::string remedy) {
-      report(ReadFault::bad_columns, csv_.header_line, {}, std::move(what), std::move(remedy));
+      columns_.bad_header(std::move(what), std::move(remedy));
     };
-    if (std::ranges::any_of(csv_.header, [](const std::string& cell) { return number_of(cell).has_value(); })) {
-      wrong("the first line holds numbers where the names of the columns should stand",
-            "add a header such as dip,dip_direction,x,y,z (both orders of dip and direction are in use)");
+    const auto unknown = [&](std::size_t c) -> std::optional<std::string> {
+      unknown_.push_back(c);
+      return not_used(csv_.header[c]);
+    };
+    const auto may_be_strike = [&](std::size_t c) -> std::optional<std::string> {
+      const std::string& cell = csv_.header[c];
+      if (!cell.starts_with("azimuth")) return std::nullopt;  // some call the strike so
+      return fmt::format("{} is read as the dip direction; where it is the strike, name it strike", shown(cell));
+    };
+    if (!columns_.find_columns("dip,dip_direction,x,y,z (both orders of dip and direction are in use)", unknown,
+                               may_be_strike)) {
       return;
     }
-    std::string understood;
-    for (std::size_t c = 0; c < csv_.header.size(); ++c) {
-      const std::string& cell = csv_.header[c];
-      const auto [found, unit] = head_of(cell, csv_.units[c]);
-      if (found == nullptr) {
-        if (cell.empty()) continue;
-        table_.notes.push_back(not_used(cell));
-        unknown_.push_back(c);
-        continue;
-      }
-      std::optional<std::size_t>& place = place_[index(found->column)];
-      if (place) wrong(fmt::format("column {} comes twice", name_of(found->column)), "remove one");
-      place = c;
-      take_unit(*found, unit);
-      understood += fmt::format("{}{}", understood.empty() ? "" : ", ", name_of(found->column));
-      if (cell != name_of(found->column)) understood += fmt::format(" (from {})", shown(cell));
-      if (cell.starts_with("azimuth")) {  // some call the strike so
-        table_.notes.push_back(
-            fmt::format("{} is read as the dip direction; where it is the strike, name it strike", shown(cell)));
-      }
-      if (!found->unit.empty()) {
-        understood +=
-            " in " + std::string{unit_[index(found->column)] ? unit_[index(found->column)]->symbol : found->unit};
-      }
-    }
-    table_.notes.insert(table_.notes.begin(), "columns read: " + understood);
-    table_.friction_unit = unit_[index(Column::friction)] != nullptr;
-    table_.cohesion_unit = unit_[index(Column::cohesion)] != nullptr;
-    table_.tension_unit = unit_[index(Column::tension)] != nullptr;
+    const auto states_unit = [&](Column column) { return columns_.unit(index(column)) != nullptr; };
+    table_.friction_unit = states_unit(Column::friction);
+    table_.cohesion_unit = states_unit(Column::cohesion);
+    table_.tension_unit = states_unit(Column::tension);
     const bool plane = has(Column::dip) || has(Column::dip_direction) || has(Column::strike);
     const bool pole = !plane && (has(Column::trend) || has(Column::plunge));
     if (plane && (has(Column::trend) || has(Column::plunge))) {
-      table_.notes.emplace_back("trend and plunge are not used beside dip");
-      place_[index(Column::trend)] = place_[index(Column::plunge)] = std::nullopt;
+      columns_.notes().emplace_back("trend and plunge are not used beside dip");
+      columns_.forget(index(Column::trend));
+      columns_.forget(index(Column::plunge));
     }
     if (pole && has(Column::trend) != has(Column::plunge)) {
       wrong("of trend and plunge of the pole one is missing", "give both");
@@ -241,35 +182,12 @@ class TableReader final {
   // -------------------------------------------------------------------------------------------------------------
 
   [[nodiscard]] std::string_view cell(const CsvTable::Row& row, Column column) const {
-    const std::optional<std::size_t> place = place_[index(column)];
-    return place && *place < row.cells.size() ? std::string_view{row.cells[*place]} : std::string_view{};
+    return columns_.cell(row, index(column));
   }
-
-  /// Nothing for an empty cell, or after a problem was reported.
-  std::optional<double> number(const CsvTable::Row& row, Column column) {
-    const std::string_view text = cell(row, column);
-    if (text.empty()) return std::nullopt;
-    std::string plain{text};
-    const bool comma =
-        csv_.separator == ';' && std::ranges::count(plain, ',') == 1 && plain.find('.') == std::string::npos;
-    const bool point = plain.find('.') != std::string::npos;
-    if (comma) std::ranges::replace(plain, ',', '.');
-    if ((comma && seen_point_) || (point && seen_comma_)) {
-      problem(row, column, ReadFault::bad_number,
-              fmt::format("{} {}: some numbers have a decimal comma, others a point", name_of(column), shown(text)),
-              "use one of them throughout");
-      return std::nullopt;
-    }
-    seen_comma_ = seen_comma_ || comma;
-    seen_point_ = seen_point_ || point;
-    const auto value = number_of(plain);
-    if (!value) {
-      problem(row, column, ReadFault::bad_number, fmt::format("{}: {}", name_of(column), value.error()),
-              remedy_of_number(text, csv_.separator));
-      return std::nullopt;
-    }
-    const Unit* unit = unit_[index(column)];
-    return unit != nullptr ? to_unit(*value, *unit) : *value;
+  std::optional<double> number(const CsvTable::Row& row, Column column) { return columns_.number(row, index(column)); }
+  double required(const CsvTable::Row& row, Column column) { return columns_.required(row, index(column)); }
+  void problem(const CsvTable::Row& row, Column column, ReadFault fault, std::string what, std::string remedy) {
+    columns_.problem(row, index(column), fault, std::move(what), std::move(remedy));
   }
 
   /// A number in a column that is not understood may be the size that this joint lacks.
@@ -281,27 +199,15 @@ class TableReader final {
       const auto value = number_of(plain);
       if (!value || !(*value > 0) || std::ranges::find(never, csv_.header[c]) != never.end()) continue;
       if (const auto meant = may_mean(csv_.header[c]); meant && !is_size(*meant)) continue;
-      report(ReadFault::bad_columns, csv_.header_line, nth(c),
-             fmt::format("column {} is not understood, and the joint of line {} has no size without it",
-                         shown(csv_.header[c]), row.line),
-             "name it radius, diameter, or side_a and side_b; where it is no size and joints are meant to go through "
-             "the whole domain, remove it");
+      columns_.report(
+          ReadFault::bad_columns, csv_.header_line, static_cast<std::uint32_t>(c) + 1,
+          fmt::format("column {} is not understood, and the joint of line {} has no size without it",
+                      shown(csv_.header[c]), row.line),
+          "name it radius, diameter, or side_a and side_b; where it is no size and joints are meant to go through "
+          "the whole domain, remove it");
       told_of_size_ = true;
       return;
     }
-  }
-
-  void problem(const CsvTable::Row& row, Column column, ReadFault fault, std::string what, std::string remedy) {
-    report(fault, row.line, nth(place_[index(column)].value_or(0)), std::move(what), std::move(remedy));
-  }
-
-  double required(const CsvTable::Row& row, Column column) {
-    const std::size_t before = problems_.size();
-    const std::optional<double> value = number(row, column);
-    if (!value && problems_.size() == before) {
-      problem(row, column, ReadFault::syntax, fmt::format("{} is empty", name_of(column)), "give a number");
-    }
-    return value.value_or(0);
   }
 
   std::optional<double> in_range(const CsvTable::Row& row, Column column, bool (*allowed)(double), const char* range) {
@@ -314,7 +220,7 @@ class TableReader final {
 
   void note_radians() {
     const Column inclined = has(Column::trend) ? Column::plunge : Column::dip;
-    if (unit_[index(inclined)] != nullptr) return;
+    if (columns_.unit(index(inclined)) != nullptr) return;
     if (auto note = angles_.note(name_of(inclined))) table_.notes.push_back(*std::move(note));
   }
   /// What to do about a direction beyond a whole turn.
@@ -410,11 +316,8 @@ class TableReader final {
   }
 
   void read_row(const CsvTable::Row& row) {
-    const std::size_t before = problems_.size();
-    if (auto fault = fault_of_row(row.cells, csv_.header.size(), csv_.separator)) {
-      report(ReadFault::syntax, row.line, {}, std::move(fault->what), std::move(fault->remedy));
-      return;
-    }
+    const std::size_t before = columns_.problems();
+    if (!columns_.has_all_cells(row)) return;
     JointRow joint{.line = row.line,
                    .plane = attitude(row),
                    .position = {},
@@ -439,40 +342,26 @@ class TableReader final {
     if (friction) joint.friction = FrictionAngle::degrees(*friction);
     if (cohesion) joint.cohesion = pascals(*cohesion);
     if (tension) joint.tension = pascals(*tension);
-    joint.set = cell(row, Column::set);
-    if (!is_utf8(joint.set)) {
-      problem(row, Column::set, ReadFault::syntax, fmt::format("\"{}\" is not UTF-8 text", on_one_line(joint.set)),
-              "save the table as UTF-8");
-    }
+    joint.set = columns_.text(row, index(Column::set));
     joint.id = cell(row, Column::id);
-    if (problems_.size() == before) table_.rows.push_back(std::move(joint));
+    if (columns_.problems() == before) table_.rows.push_back(std::move(joint));
   }
 
   const CsvTable& csv_;
-  std::string_view file_;
+  ColumnReader columns_;
   JointCsvOptions options_;
-  std::array<std::optional<std::size_t>, column_count> place_;
-  std::array<const Unit*, column_count> unit_{};  ///< as stated behind the names
-  std::vector<std::size_t> unknown_;              ///< columns that are not understood
+  std::vector<std::size_t> unknown_;  ///< columns that are not understood
   bool told_of_size_ = false;
   AngleWatch angles_;
-  bool seen_comma_ = false;
-  bool seen_point_ = false;
   JointTable table_;
-  std::vector<ReadError> problems_;
 };
 
 }  // namespace
 
 std::expected<JointTable, std::vector<ReadError>> parse_joint_csv(std::string_view bytes, std::string_view name,
                                                                   const JointCsvOptions& options) {
-  if (bytes.starts_with("PK\x03\x04") || bytes.starts_with("\xD0\xCF\x11\xE0")) {
-    return std::unexpected(std::vector{
-        whole_file(ReadFault::syntax, name, "is a workbook, not a table in text", "export the sheet as CSV")});
-  }
-  const auto csv = parse_csv(bytes, name);
-  if (!csv) return std::unexpected(std::vector{csv.error()});
-  return TableReader{*csv, name, options}.run();
+  CLEAVE_TRY(const CsvTable csv, table_of_text(bytes, name));
+  return TableReader{csv, name, options}.run();
 }
 
 std::expected<JointTable, std::vector<ReadError>> read_joint_csv(const std::filesystem::path& path,

@@ -47,6 +47,7 @@ std::string why_write(const Scene& scene) {
   if (motion && output.csv) files += ", motion.csv";
   if (motion && output.vtu) files += ", motion_NNNN.vtu, motion.pvd";
   if (motion) files += ", motion.state";
+  if (scene.mapped && output.csv) files += ", mapped_joints.csv";
   if (scene.flow && output.csv) files += ", flow_joints.csv";
   if (scene.flow && output.vtu) files += ", flow.vtu";
   for (const SectionSpec& section : output.sections) {
@@ -126,6 +127,14 @@ struct Decision {
   std::string why;
 };
 
+std::string why_draw(const Scene& scene) {
+  const std::size_t sets = scene.joint_sets.size();
+  if (sets == 0) return "no [[joint_set]]";
+  const std::string why = count_of(sets, "random joint set", "random joint sets");
+  if (!scene.mapped) return why;
+  return why + fmt::format(", with {}", count_of(scene.mapped->seen.joints.size(), "mapped joint", "mapped joints"));
+}
+
 std::string why_cut(const Scene& scene) {
   const std::size_t given = scene.joints.size();
   const bool drawn = !scene.joint_sets.empty();
@@ -183,8 +192,7 @@ Decision decide(const Scene& scene, Step step) {
     case Step::read:
       return {true,
               scene.files.empty() ? "the scene" : "the scene and " + count_of(scene.files.size(), "file", "files")};
-    case Step::draw:
-      return {sets > 0, sets > 0 ? count_of(sets, "random joint set", "random joint sets") : "no [[joint_set]]"};
+    case Step::draw: return {sets > 0, why_draw(scene)};
     case Step::cut: return {true, why_cut(scene)};
     case Step::audit: return {true, "every block system is certified"};
     case Step::stability: return {stability, why_stability(scene)};

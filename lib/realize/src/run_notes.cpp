@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "cut_notes.hpp"
 #include "group_notes.hpp"
@@ -10,7 +11,27 @@
 namespace cleave::scene {
 namespace {
 
-/// What was said of the scene as it was read, and sets of which nothing was drawn.
+/// Mapped joints that no joint of their set shows as they were mapped.
+void add_mapped_note(const Scene& scene, const MappedResult& mapped, std::vector<std::string>& notes) {
+  const std::uint64_t all = mapped.joints.size(), missed = all - mapped.honoured();
+  if (missed == 0) return;
+  const MappedJointResult* worst = nullptr;
+  for (const MappedJointResult& joint : mapped.joints) {
+    if (!joint.honours && (worst == nullptr || joint.misfit > worst->misfit)) worst = &joint;
+  }
+  const std::string& row = worst->rows.front();
+  const std::string how =
+      !std::isfinite(worst->misfit.si())         ? fmt::format("{} misses a pick, or shows one too many", row)
+      : worst->misfit > scene.mapped->seen.error ? fmt::format("the farthest: {}, {:.3g} m", row, worst->misfit.si())
+                                                 : fmt::format("of {} its set has hardly such joints", row);
+  notes.push_back(
+      fmt::format("{} of {} mapped {} not honoured within {:g} m and by the laws of {}; {}; see "
+                  "mapped_joints.csv",
+                  missed, all, all == 1 ? "joints is" : "joints are", scene.mapped->seen.error.si(),
+                  missed == 1 ? "its set" : "their sets", how));
+}
+
+/// What was said of the scene as it was read, sets of which nothing was drawn, and mapped joints that are not shown.
 std::vector<std::string> notes_of_input(const Scene& scene, const Realization& made) {
   std::vector<std::string> notes;
   for (const Problem& note : scene.notes) notes.push_back(describe(note));
@@ -24,6 +45,7 @@ std::vector<std::string> notes_of_input(const Scene& scene, const Realization& m
                     "check its intensity and size, in metres",
                     scene.sets[set.set].name, set.line));
   }
+  if (made.mapped) add_mapped_note(scene, *made.mapped, notes);
   return notes;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <span>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "cleave/core/rng.hpp"
 #include "cleave/core/special.hpp"
 #include "cleave/dfn/sample.hpp"
+#include "cleave/geometry/orientation.hpp"
 #include "cleave/realize/run.hpp"
 #include "cleave/scene3d/bounds.hpp"
 #include "cleave/scene3d/drawing_order.hpp"
@@ -111,14 +113,50 @@ void add_measured(const Scene& scene, std::uint64_t realization, SampledScene& d
 
 using SampledSets = std::vector<std::vector<dfn::SampledJoint>>;
 
-/// The joints of all sets, each drawn after those it ends at.
+/// Joints drawn for what has been mapped have numbers from here on.
+constexpr std::uint32_t first_seen = std::uint32_t{1} << 31U;
+
+/// Of each set the joints drawn for what has been mapped of it; how well they do so is written into `result`.
+SampledSets honour_mapped(const Scene& scene, std::uint64_t geometry, MappedResult& result) {
+  const MappedSettings& mapped = *scene.mapped;
+  std::vector<const dfn::JointSet*> laws;
+  for (std::size_t i = 0; i < scene.joint_sets.size(); ++i) {
+    laws.push_back(mapped.sets[i] != 0 ? &scene.joint_sets[i].law : nullptr);
+  }
+  result = {.faces = mapped.faces.size(), .holes = mapped.holes.size()};
+  SampledSets seen(scene.joint_sets.size());
+  for (dfn::HonouredJoint& found : dfn::honour(laws, mapped.seen, scene.seed, geometry)) {
+    const dfn::MappedJoint& asked = mapped.seen.joints[found.mapped];
+    const MappedSettings::Source& source = mapped.sources[found.mapped];
+    const geometry::Attitude attitude = geometry::attitude_of(found.joint.normal);
+    MappedJointResult& row =
+        result.joints.emplace_back(MappedJointResult{.source = source.name,
+                                                     .set = scene.sets[scene.joint_sets[found.set].set].name,
+                                                     .set_known = asked.set.has_value(),
+                                                     .traces = asked.traces.size(),
+                                                     .picks = asked.picks.size(),
+                                                     .misfit = found.misfit,
+                                                     .honours = found.honours,
+                                                     .dip = attitude.dip,
+                                                     .dip_direction = attitude.direction,
+                                                     .centre = found.joint.centre});
+    for (const MappedRow& at : source.rows) row.rows.push_back(fmt::format("{}:{}", at.file, at.line));
+    seen[found.set].push_back(std::move(found.joint));
+  }
+  return seen;
+}
+
+/// The joints of all sets, each drawn after those it ends at. Of mapped sets those that would have been seen are left
+/// out, and those drawn for what has been seen follow.
 std::expected<SampledSets, std::vector<Problem>> sample_sets(const Scene& scene, std::uint64_t realization,
-                                                             const Box& box) {
+                                                             const Box& box, std::optional<MappedResult>& mapped) {
   const std::size_t count = scene.joint_sets.size();
   SampledSets sampled(count), given(scene.sets.size());
   // Where several draws of strengths share a geometry, the joints go by the number of the geometry.
   const std::uint64_t geometry = realization / (scene.monte_carlo ? scene.monte_carlo->strengths_per_geometry : 1);
   std::vector<Problem> problems;
+  SampledSets seen(count);
+  if (scene.mapped) seen = honour_mapped(scene, geometry, mapped.emplace());
   for (const std::size_t number : drawing_order(scene.joint_sets)) {
     const RandomSet& set = scene.joint_sets[number];
     std::vector<std::span<const dfn::SampledJoint>> older;
@@ -132,6 +170,12 @@ std::expected<SampledSets, std::vector<Problem>> sample_sets(const Scene& scene,
       }
     }
     auto joints = dfn::sample(set.law, number, {box.min, box.max}, scene.seed, geometry, older);
+    if (joints && scene.mapped && scene.mapped->sets[number] != 0) {
+      const std::size_t drawn = joints->size();
+      *joints = dfn::unseen(*std::move(joints), scene.mapped->seen);
+      mapped->taken_out += drawn - joints->size();
+      std::ranges::move(seen[number], std::back_inserter(*joints));
+    }
     if (joints) {
       sampled[number] = with_polygons(*std::move(joints));
     } else {
@@ -156,8 +200,13 @@ void add_random(const Scene& scene, std::uint64_t realization, std::size_t numbe
     const geometry::Vec3 normal = joint.normal;
     const std::uint32_t index = joint.index;
     drawn.input.joints.push_back(dfn::joint_of(std::move(joint)));
-    JointInfo info =
-        describe_joint(set.set, JointOrigin::drawn, fmt::format("{} #{}", named.name, index + 1), *strength, normal);
+    std::string source = fmt::format("{} #{}", named.name, index + 1);
+    if (index >= first_seen) {
+      MappedJointResult& row = drawn.mapped->joints[index - first_seen];
+      row.joint = topology::JointId{drawn.joints.size()};
+      source = fmt::format("{} seen {}", named.name, row.source);
+    }
+    JointInfo info = describe_joint(set.set, JointOrigin::drawn, std::move(source), *strength, normal);
     info.aperture = draw_aperture(scene, realization, set.set, number, index);
     drawn.joints.push_back(std::move(info));
     ++drawn.sets[set.set].joints;
@@ -204,7 +253,7 @@ std::expected<SampledScene, std::vector<Problem>> sample(const Scene& scene, std
   for (const Excavation& excavation : scene.excavations) drawn.input.excavations.push_back(excavation.solid);
   std::vector<Problem> problems;
   add_measured(scene, realization, drawn, problems);
-  auto sampled = sample_sets(scene, realization, box_of(scene.domain));
+  auto sampled = sample_sets(scene, realization, box_of(scene.domain), drawn.mapped);
   if (!sampled) return std::unexpected(std::move(sampled).error());
   for (std::size_t number = 0; number < sampled->size(); ++number) {
     add_random(scene, realization, number, std::move((*sampled)[number]), drawn, problems);

@@ -57,9 +57,10 @@ std::string columns_of_tables() {
          table("combined_blocks.csv", CombinedBlockRow{.load = "", .b = combined}) +
          table("key_groups.csv", KeyGroupRow{group}) + table("supported_groups.csv", SupportedGroupRow{group}) +
          table("motion.csv", scene::MotionBlock{.block = topology::BlockId{0U}, .centroid = {}}) +
-         table("flow_joints.csv", scene::FlowJoint{}) + table("maximum_blocks.csv", scene::MaximumRow{}) +
-         table("points.csv", StressPointRow{}) + table("block_sizes.csv", stochastic::SizeShare{}) +
-         table("history.csv", scene::ContactHistory{}) + table("bodies.csv", scene::ContactBodyResult{});
+         table("mapped_joints.csv", scene::MappedJointResult{}) + table("flow_joints.csv", scene::FlowJoint{}) +
+         table("maximum_blocks.csv", scene::MaximumRow{}) + table("points.csv", StressPointRow{}) +
+         table("block_sizes.csv", stochastic::SizeShare{}) + table("history.csv", scene::ContactHistory{}) +
+         table("bodies.csv", scene::ContactBodyResult{});
 }
 
 }  // namespace cleave::report

@@ -21,6 +21,7 @@
 #include "html_table.hpp"
 #include "html_why.hpp"
 #include "key_groups.hpp"
+#include "mapped.hpp"
 #include "motion.hpp"
 #include "stages_section.hpp"
 #include "stereonet.hpp"
@@ -358,6 +359,7 @@ std::string report_html(const Page& page) {
   out += why_section(page);
   out += unrolled_section(page);
   out += key_groups_section(page.result, page.complex);
+  if (page.result.mapped) out += mapped_section(*page.result.mapped);
   if (page.result.motion) out += motion_section(*page.result.motion);
   if (page.result.flow) out += flow_section(*page.result.flow);
   out += support_section(page);

@@ -14,6 +14,7 @@
 #include "flow.hpp"
 #include "html.hpp"
 #include "key_groups.hpp"
+#include "mapped.hpp"
 #include "motion.hpp"
 
 namespace cleave::report {
@@ -67,6 +68,11 @@ std::expected<void, WriteError> write_dangling(const scene::RunResult& result, c
   if (complex == nullptr || !complex->dangling()) return {};
   if (result.output.vtu) CLEAVE_CHECK(write_file(folder / "dangling.vtu", dangling_vtu(*complex, result.title)));
   return write_file(folder / "dangling.obj", dangling_obj(*complex, result.title));
+}
+
+std::expected<void, WriteError> write_mapped(const scene::RunResult& result, const fs::path& folder) {
+  if (!result.mapped || !result.output.csv) return {};
+  return write_file(folder / "mapped_joints.csv", mapped_joints_csv(*result.mapped));
 }
 
 std::expected<void, WriteError> write_flow(const scene::RunResult& result, const fs::path& folder) {
@@ -136,6 +142,7 @@ std::expected<void, WriteError> write_all(const scene::RunResult& result, const 
   CLEAVE_CHECK(write_blocks_vtu(result, folder));
   CLEAVE_CHECK(write_dangling(result, folder));
   CLEAVE_CHECK(write_motion(result, folder));
+  CLEAVE_CHECK(write_mapped(result, folder));
   CLEAVE_CHECK(write_flow(result, folder));
   CLEAVE_CHECK(write_exports(result, folder));
   CLEAVE_CHECK(write_sections(result, folder));

@@ -88,6 +88,11 @@ struct StatedLoads {
 /// Refuses water of [flow] in loads where none is found.
 void check_flow_water(const Context& context, const StabilitySettings& stability,
                       const std::optional<FlowSettings>& flow, bool stages, bool ensemble);
+/// [mapped]; after the joint sets and the excavations.
+[[nodiscard]] std::optional<MappedSettings> parse_mapped(Context& context, const TableReader& root,
+                                                         const std::vector<RandomSet>& joint_sets,
+                                                         const std::vector<Excavation>& excavations,
+                                                         const std::optional<geometry::Solid>& domain);
 [[nodiscard]] std::vector<ScanLine> parse_lines(const Context& context, const TableReader& root);
 [[nodiscard]] MicroBlocks parse_micro_blocks(const TableReader& root);
 

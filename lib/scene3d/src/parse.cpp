@@ -173,6 +173,7 @@ const KeyTable& scene_keys() {
            {"domain", key::table(&domain_keys), required, "the rock"},
            {"joint", key::tables(&joint_keys), "", "joints that are given"},
            {"joint_set", key::tables(&joint_set_keys), "", "joints drawn at random"},
+           {"mapped", key::table(&mapped_keys), "", "what has been seen of the random joints"},
            {"joints", key::named(key::table(&strength_keys)), "", "strength by set; `[joints.default]` for the rest"},
            {"rock", key::table(&rock_keys), "", "properties of the rock"},
            {"scanline", key::tables(&scanline_keys), "", "lines and boreholes: joints, frequency and RQD along them"},
@@ -188,7 +189,7 @@ const KeyTable& scene_keys() {
            {"monte_carlo", key::table(&monte_carlo_keys), "", "many realizations instead of one run"},
            {"output", key::table(&output_keys), "", "files of the result"}},
       .steps = {{Step::read, {"include"}},
-                {Step::draw, {"joint_set", "joints"}},
+                {Step::draw, {"joint_set", "joints", "mapped"}},
                 {Step::cut, {"domain", "joint", "excavation", "scanline"}},
                 {Step::flow, {"flow", "joints"}},
                 {Step::stability, {"rock", "joints", "stability", "load", "sequence", "micro_blocks"}},
@@ -238,6 +239,13 @@ void check_stop(const TableReader& root, const stochastic::Stop& stop, bool judg
   }
 }
 
+std::set<SetId> sets_with_joints(const std::vector<MeasuredJoint>& joints, const std::vector<RandomSet>& joint_sets) {
+  std::set<SetId> used;
+  for (const MeasuredJoint& joint : joints) used.insert(joint.set);
+  for (const RandomSet& set : joint_sets) used.insert(set.set);
+  return used;
+}
+
 }  // namespace
 
 std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::string& shown,
@@ -268,12 +276,11 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   const Rock rock = parse_rock(root);
   std::vector<Excavation> excavations;
   parse_excavations(context, root, domain, excavations);
+  std::optional<MappedSettings> mapped = parse_mapped(context, root, joint_sets, excavations, domain);
   std::vector<ScanLine> lines = parse_lines(context, root);
   ParsedStability stability = parse_stability(context, root, domain, excavations);
   std::optional<SupportSettings> support = parse_support(context, root, excavations, stability.settings);
-  std::set<SetId> used;
-  for (const MeasuredJoint& joint : joints) used.insert(joint.set);
-  for (const RandomSet& set : joint_sets) used.insert(set.set);
+  const std::set<SetId> used = sets_with_joints(joints, joint_sets);
   std::optional<FieldStressSettings> field_stress = parse_field_stress(root, context, used, rock, excavations);
   std::optional<FlowSettings> flow = parse_flow(root, context, used, domain);
   OutputSettings output = parse_output(root);
@@ -313,6 +320,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
                .terminations = std::move(context.terminations),
                .keep_dangling = header.keep_dangling,
                .joint_sets = std::move(joint_sets),
+               .mapped = std::move(mapped),
                .rock = rock,
                .excavations = std::move(excavations),
                .lines = std::move(lines),

@@ -78,6 +78,36 @@ struct JointCsvOptions {
 /// The table as parse_joint_csv reads it back: only columns that some row needs.
 [[nodiscard]] std::string write_joint_csv(const JointTable& table);
 
+/// One row of a table of traces that were mapped on faces of rock.
+struct TraceRow {
+  std::uint32_t line = 0;        ///< in the file, from 1
+  std::string face, set, joint;  ///< "" when not given
+  std::array<geometry::Vec3, 2> ends;
+  /// Whether the joint goes on there, out of sight; empty: not said.
+  std::array<std::optional<bool>, 2> goes_on;
+};
+/// One row of a table of joints that were picked in holes.
+struct PickRow {
+  std::uint32_t line = 0;
+  std::string hole, set, joint;
+  std::optional<Length> depth;              ///< along the hole; or
+  std::optional<geometry::Vec3> position;   ///< m
+  std::optional<geometry::Attitude> plane;  ///< as written: clockwise from the file's north
+};
+template <class Row>
+struct MappedTable {
+  std::vector<Row> rows;
+  std::vector<std::string> notes;  ///< how the columns were read, and those that were not understood and skipped
+};
+
+/// Tables with a header, as tables of joints have. Traces: x1, y1, z1, x2, y2, z2; face, set, joint, end1 and end2
+/// ("ends" or "goes_on") where they are known. Picks: depth, or x, y, z; hole, set, joint, and dip with dip_direction
+/// or strike. A table without rows is a table: nothing was seen.
+[[nodiscard]] std::expected<MappedTable<TraceRow>, std::vector<ReadError>> parse_trace_csv(std::string_view bytes,
+                                                                                           std::string_view name);
+[[nodiscard]] std::expected<MappedTable<PickRow>, std::vector<ReadError>> parse_pick_csv(std::string_view bytes,
+                                                                                         std::string_view name);
+
 /// Lines and polygons of a map, coordinates as in the file.
 struct TraceMap {
   std::vector<std::vector<std::array<double, 2>>> lines;

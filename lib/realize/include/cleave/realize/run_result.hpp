@@ -198,7 +198,8 @@ enum class JointOrigin : std::uint8_t { measured, drawn };
 struct JointInfo {
   SetId set;
   JointOrigin origin;
-  std::string source;  ///< "joints.obj:120", "scene.toml:14"; for drawn joints "A #7" (set, number from 1)
+  /// "joints.obj:120", "scene.toml:14"; for drawn joints "A #7" (set, number from 1), or "A seen 12" (a mapped one)
+  std::string source;
   stability::JointStrength strength;
   geometry::Vec3 normal;  ///< upward unit normal (z >= 0); of the first polygon when the joint has several
   Dip dip;
@@ -276,14 +277,79 @@ void fields(V& v, const FieldStressResult& x) {
     when(!std::isfinite(x.lowest_factor_of_safety()), "no block at the tunnel slides"));
 }
 
+/// A joint that was mapped, and the one that was drawn for it.
+struct MappedJointResult {
+  std::string source;  ///< the id of its rows, or file and line
+  topology::JointId joint = topology::JointId{0U};
+  std::string set;
+  bool set_known = false;
+  std::vector<std::string> rows = {};  ///< "traces.csv:12"
+  std::uint64_t traces = 0, picks = 0;
+  Length misfit = {};  ///< infinite: it misses a pick, or goes through a hole that shows nothing there
+  bool honours = false;
+  Dip dip = {};
+  DipDirection dip_direction = {};  ///< clockwise from +y
+  geometry::Vec3 centre = {};       ///< m
+};
+template <class V>
+void fields(V& v, const MappedJointResult& x) {
+  v("source", x.source, "`joint` of its rows, or file and line of the first");
+  v("joint", x.joint, "number of the joint that was drawn for it, from 0");
+  v("set", x.set);
+  v("set_known", x.set_known, "0: the rows name no set, and it was drawn among those mapped");
+  v("rows", x.rows, "files and lines, joined by `;`");
+  v("traces", x.traces);
+  v("picks", x.picks);
+  v("misfit_m", x.misfit,
+    "the farthest that an end of a trace or a pick lies from what was mapped, or the longest trace that was not; inf: "
+    "it misses a pick, or goes through a hole that shows nothing there");
+  v("honours", x.honours, "1: no more than mapped.error, and the set has joints that would be seen so");
+  v("dip", x.dip.degrees(), "degrees");
+  v("dip_direction", x.dip_direction.degrees(), "degrees clockwise from the y axis");
+  v("x_m", x.centre.x, "centre of the joint");
+  v("y_m", x.centre.y);
+  v("z_m", x.centre.z);
+}
+
+/// What [mapped] came to in one realization.
+struct MappedResult {
+  std::uint64_t faces = 0, holes = 0;
+  std::vector<MappedJointResult> joints = {};  ///< in the order of MappedSettings::seen
+  std::uint64_t taken_out = 0;                 ///< random joints that would have been seen
+
+  [[nodiscard]] std::uint64_t honoured() const {
+    return static_cast<std::uint64_t>(std::ranges::count_if(joints, &MappedJointResult::honours));
+  }
+  /// Zero without joints.
+  [[nodiscard]] Length largest_misfit() const {
+    Length largest;
+    for (const MappedJointResult& joint : joints) largest = std::max(largest, joint.misfit);
+    return largest;
+  }
+};
+template <class V>
+void fields(V& v, const MappedResult& x) {
+  v("faces", x.faces);
+  v("holes", x.holes);
+  v("joints", x.joints.size(), "that were mapped, each with all its traces and picks");
+  v("honoured", x.honoured(),
+    "of them: the joint that was drawn shows what was mapped, within mapped.error, and by the laws of its set");
+  v("not_honoured", x.joints.size() - x.honoured());
+  v("largest_misfit_m", or_null(x.largest_misfit().si()), "see mapped_joints.csv; null: a pick was missed");
+  v("largest_misfit_reason",
+    when(!std::isfinite(x.largest_misfit().si()), "a joint misses a pick, or shows one too many"));
+  v("random_joints_taken_out", x.taken_out, "drawn as if nothing had been seen, they would have been seen");
+}
+
 /// Everything that goes into the cutter, and what each joint is.
 struct SampledScene {
-  topology::CutInput input;                            ///< domain, joints and excavations as cut
-  IdVector<SetId, SetInfo> sets = {};                  ///< only sets with at least one joint have `joints` > 0
-  IdVector<topology::JointId, JointInfo> joints = {};  ///< as many as input.joints, same order
-  double seismic_factor = 1;                           ///< of this realization
-  double water_quantile = 0.5;                         ///< of this realization: u of the laws of water tables
+  topology::CutInput input;                             ///< domain, joints and excavations as cut
+  IdVector<SetId, SetInfo> sets = {};                   ///< only sets with at least one joint have `joints` > 0
+  IdVector<topology::JointId, JointInfo> joints = {};   ///< as many as input.joints, same order
+  double seismic_factor = 1;                            ///< of this realization
+  double water_quantile = 0.5;                          ///< of this realization: u of the laws of water tables
   std::optional<stability::FlowWater> flow_water = {};  ///< that [flow] found, where loads ask for it
+  std::optional<MappedResult> mapped = {};              ///< where the scene has [mapped]
 };
 
 /// What one realization of a scene came to: the blocks and all that was judged of them.
@@ -388,6 +454,7 @@ void fields(V& v, const RunResult& x) {
     "Key blocks at a tunnel with the stress of the rock across their joints ([field_stress]); error, condition and "
     "residual are those of the elastic section.");
   v("motion", x.motion, "Blocks in motion ([motion]).");
+  v("mapped", x.mapped, "Random joints that honour what has been seen ([mapped]).");
   v("flow", x.flow, "Which joints hang together, and steady flow of water in them ([flow]); rates in m3/s.");
   v("maximum_blocks", f.maximum_blocks,
     "Largest key blocks that persistent joints of the sets' mean orientations can make at a tunnel "

@@ -49,6 +49,9 @@ using WriteError = std::variant<CannotCreate, NoSpace, CannotWrite>;
 /// motion.csv, motion_NNNN.vtu and motion.pvd, where blocks were in motion.
 [[nodiscard]] std::expected<void, WriteError> write_motion(const scene::RunResult& result,
                                                            const std::filesystem::path& folder);
+/// mapped_joints.csv, where the scene says what has been mapped.
+[[nodiscard]] std::expected<void, WriteError> write_mapped(const scene::RunResult& result,
+                                                           const std::filesystem::path& folder);
 /// flow.vtu and flow_joints.csv, where the scene asks for flow.
 [[nodiscard]] std::expected<void, WriteError> write_flow(const scene::RunResult& result,
                                                          const std::filesystem::path& folder);

@@ -20,6 +20,7 @@ namespace cleave::scene {
 [[nodiscard]] const KeyTable& rock_keys();
 [[nodiscard]] const KeyTable& field_stress_keys();
 [[nodiscard]] const KeyTable& flow_keys();
+[[nodiscard]] const KeyTable& mapped_keys();
 [[nodiscard]] const KeyTable& motion_keys();
 [[nodiscard]] const KeyTable& scanline_keys();
 

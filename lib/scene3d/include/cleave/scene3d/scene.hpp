@@ -15,6 +15,7 @@
 #include "cleave/core/id.hpp"
 #include "cleave/core/quantity.hpp"
 #include "cleave/dfn/joint_set.hpp"
+#include "cleave/dfn/sample.hpp"
 #include "cleave/facets/cut_input.hpp"
 #include "cleave/geometry/solid.hpp"
 #include "cleave/geometry/vec3.hpp"
@@ -279,6 +280,26 @@ struct FlowSettings {
   }
 };
 
+/// A row of a table of traces or picks.
+struct MappedRow {
+  std::string file;  ///< as messages name it
+  std::uint32_t line = 0;
+  bool pick = false;
+};
+/// [mapped]: what has been seen of random joints.
+struct MappedSettings {
+  dfn::Mapping seen;
+  std::vector<std::string> faces, holes;  ///< names
+  /// Of `seen.joints`, in their order.
+  struct Source {
+    std::string name;             ///< the id of its rows, or file and line of the first
+    std::vector<MappedRow> rows;  ///< in the order of the files
+  };
+  std::vector<Source> sources;
+  std::vector<std::uint8_t> sets;  ///< by number in Scene::joint_sets: 1 where mapped
+  std::uint32_t line = 1;          ///< in the scene file
+};
+
 /// Which blocks are let go.
 enum class Release : std::uint8_t {
   batches,  ///< those of the batches of key blocks
@@ -328,6 +349,7 @@ struct SceneContent {
   std::vector<topology::Termination> terminations;  ///< of measured joints
   bool keep_dangling = false;
   std::vector<RandomSet> joint_sets;  ///< in scene order; their joints follow
+  std::optional<MappedSettings> mapped = {};
   Rock rock;
   std::vector<Excavation> excavations;  ///< in scene order
   std::vector<ScanLine> lines = {};     ///< in scene order
