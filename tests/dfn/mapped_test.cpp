@@ -308,6 +308,20 @@ TEST(MappedTest, AMeasuredDirectionIsKept) {
   EXPECT_NEAR(norm(drawn(discs(even(2, 8), 50), mapping, 1).front().joint.normal - normal), 0, 1e-12);
 }
 
+TEST(MappedTest, ADirectionMeasuredOnATraceIsTurnedToHoldIt) {
+  Mapping mapping = one_trace(4, false, false);
+  mapping.joints.front().traces.front().normal = normalized(Vec3{0.05, 1, 1});
+  const Vec3 normal = drawn(discs(even(2, 8)), mapping, 1).front().joint.normal;
+  EXPECT_NEAR(norm(normal - normalized(Vec3{0, 1, 1})), 0, 1e-12);
+  // Measured in a hole, it counts for the trace as well.
+  mapping.joints.front().traces.front().normal.reset();
+  mapping.holes.push_back({{0, 1, -3}, {0, 1, 3}});
+  mapping.joints.front().picks.push_back({0, {0, 1, -0.5}, normalized(Vec3{0, 1, 2})});
+  mapping.turn = Rotation::degrees(1);  // so that the points do not decide
+  mapping.error = metres(0.3);
+  EXPECT_NEAR(norm(drawn(discs(even(6, 8)), mapping, 1).front().joint.normal - normalized(Vec3{0, 1, 2})), 0, 1e-12);
+}
+
 TEST(MappedTest, APlaneSeenOnTwoFacesIsFitted) {
   // x = 1 on floor and on a wall y = 5.
   Mapping mapping{.faces = {floor_face(5), {polygon({{-5, 5, 0}, {5, 5, 0}, {5, 5, 5}, {-5, 5, 5}})}}};

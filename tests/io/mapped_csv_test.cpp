@@ -55,6 +55,16 @@ TEST(MappedCsv, PicksAreRead) {
   EXPECT_FALSE(table->rows[1].plane.has_value());
 }
 
+TEST(MappedCsv, TracesMayHaveTheirPlanes) {
+  const auto table = parse_trace_csv("x1,y1,z1,x2,y2,z2,dip,dip_dir\n1,2,3,4,5,6,40,350\n1,2,3,4,5,7,,\n", "t.csv");
+  ASSERT_TRUE(table.has_value()) << describe(table.error().front());
+  EXPECT_DOUBLE_EQ(table->rows[0].plane->dip.degrees(), 40);
+  EXPECT_DOUBLE_EQ(table->rows[0].plane->direction.degrees(), 350);
+  EXPECT_FALSE(table->rows[1].plane.has_value());
+  EXPECT_TRUE(trace_error("x1,y1,z1,x2,y2,z2,dip\n1,2,3,4,5,6,40\n").contains("no column dip_direction or strike"));
+  EXPECT_TRUE(trace_error("x1,y1,z1,x2,y2,z2,dip,strike\n1,2,3,4,5,6,95,10\n").contains("outside 0..90"));
+}
+
 TEST(MappedCsv, WhatIsWrongIsSaid) {
   EXPECT_TRUE(
       trace_error("x1,y1,x2,y2\n1,2,3,4\n").contains("t.csv:1: columns of the ends of traces are missing: z1, z2"));

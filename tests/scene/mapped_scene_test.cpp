@@ -144,6 +144,28 @@ TEST(MappedScene, RowsOfOneJointGoTogetherOverFiles) {
   EXPECT_TRUE(clash.contains("p.csv:2: joint: \"j\" is of the set \"B\", and of \"A\" in t.csv:2")) << clash;
 }
 
+TEST(MappedScene, APlaneMeasuredOnATraceIsThatOfItsJoint) {
+  // The trace dips 70 degrees to the south in the face x = 4; the plane strikes 20 degrees off the normal of the face.
+  const std::string planes = "face,set,joint,x1,y1,z1,x2,y2,z2,dip,dip_direction\n";
+  const auto rows = [&](const std::string& plane) {
+    return Files{{"t.csv", planes + "F,A,,4,3,4,4,3.684,3.134," + plane}};
+  };
+  const Scene scene = scene_of(scene_text, rows("53,20\n"));
+  const auto& measured = scene.mapped->seen.joints[0].traces[0].normal;
+  ASSERT_TRUE(measured.has_value());
+  const SampledScene drawn = sample(scene).value();
+  const auto seen = std::ranges::find_if(drawn.joints, [](const JointInfo& j) { return j.source.contains("seen"); });
+  ASSERT_NE(seen, drawn.joints.end());
+  EXPECT_GT(std::abs(dot(seen->normal, *measured)), std::cos(3 * 3.14159265358979 / 180));
+  EXPECT_NEAR(dot(seen->normal,
+                  scene.mapped->seen.joints[0].traces[0].ends[1] - scene.mapped->seen.joints[0].traces[0].ends[0]),
+              0, 1e-9);
+  EXPECT_FALSE(has_note(scene, "off their traces"));
+  EXPECT_TRUE(has_note(scene_of(scene_text, rows("70,180\n")), "1 of 1 planes lie more than 15 degrees off"));
+  const Scene turned = scene_of("north = 90\n" + scene_text, rows("53,290\n"));
+  EXPECT_NEAR(norm(*turned.mapped->seen.joints[0].traces[0].normal - *measured), 0, 1e-12);
+}
+
 TEST(MappedScene, FacesAreFoundEndsAreProjectedAndGoOnAtTheBorder) {
   const Scene scene = mapped_scene(",A,,4.05,3,4.95,3.96,3.9,2.5\n");
   const dfn::MappedTrace& row = scene.mapped->seen.joints[0].traces[0];

@@ -379,9 +379,13 @@ Honourer::Seen Honourer::seen_of(const MappedJoint& joint) const {
     }
     return seen;
   }
-  const auto measured =
-      std::ranges::find_if(joint.picks, [](const MappedPick& pick) { return pick.normal.has_value(); });
-  if (!seen.trace && measured != joint.picks.end()) seen.normal = measured->normal;
+  for (const MappedTrace& trace : joint.traces) seen.normal = seen.normal ? seen.normal : trace.normal;
+  for (const MappedPick& pick : joint.picks) seen.normal = seen.normal ? seen.normal : pick.normal;
+  if (seen.normal && seen.trace) {  // turned so that it holds the trace
+    const Vec3 along = geometry::normalized(seen.trace->ends[1] - seen.trace->ends[0]);
+    const Vec3 across = *seen.normal - dot(*seen.normal, along) * along;
+    seen.normal = norm(across) > 1e-9 ? std::optional{geometry::normalized(across)} : std::nullopt;
+  }
   return seen;
 }
 

@@ -55,8 +55,77 @@ std::expected<MappedTable<Row>, std::vector<ReadError>> read(std::string_view by
 
 // ---- traces ---------------------------------------------------------------------------------------------------------
 
-enum TraceColumn : std::uint8_t { x1, y1, z1, x2, y2, z2, face, trace_set, trace_joint, end1, end2 };
-constexpr std::array<ColumnNames, 11> trace_columns{{
+/// Columns of a plane as it was measured.
+struct PlaneColumns {
+  std::uint8_t dip, dip_direction, strike;
+};
+constexpr ColumnNames dip_names{"degrees", {"dip", "dip_angle", "dipangle"}};
+constexpr ColumnNames dip_direction_names{"degrees",
+                                          {"dip_direction", "dipdirection", "dipdir", "dip_dir", "dip_azimuth", "dd"}};
+constexpr ColumnNames strike_names{"degrees", {"strike"}};
+
+class PlaneReader final {
+ public:
+  PlaneReader(ColumnReader& columns, const PlaneColumns& at) : columns_{columns}, at_{at} {}
+
+  void check_header() {
+    const bool direction = columns_.has(at_.dip_direction) || columns_.has(at_.strike);
+    if (columns_.has(at_.dip) != direction) {
+      columns_.bad_header(direction ? "there is no column dip" : "there is no column dip_direction or strike",
+                          "give both, or none: the planes are then not measured");
+    }
+    if (columns_.has(at_.dip_direction) && columns_.has(at_.strike)) {
+      columns_.bad_header("there are both dip_direction and strike", "give one of them");
+    }
+  }
+
+  /// None where the cells are empty.
+  std::optional<geometry::Attitude> plane(const CsvTable::Row& row) {
+    const std::uint8_t bearing = columns_.has(at_.strike) ? at_.strike : at_.dip_direction;
+    if (columns_.cell(row, at_.dip).empty() && columns_.cell(row, bearing).empty()) return std::nullopt;
+    const double steep = columns_.required(row, at_.dip);
+    double direction = columns_.required(row, bearing);
+    angles_.look_at(steep, direction);
+    if (!(steep >= 0 && steep <= 90)) {
+      columns_.problem(row, at_.dip, ReadFault::out_of_range, fmt::format("dip is {}, outside 0..90", steep),
+                       "correct it");
+    }
+    if (!(direction >= 0 && direction <= 360)) {
+      columns_.problem(row, bearing, ReadFault::out_of_range,
+                       fmt::format("{} is {}, outside 0..360", columns_.name_of(bearing), direction), "correct it");
+    }
+    if (bearing == at_.strike) direction += 90;
+    return geometry::Attitude{Dip::degrees(steep), DipDirection::degrees(geometry::wrap_degrees(direction))};
+  }
+
+  void add_notes(std::vector<std::string>& notes) const {
+    if (!columns_.has(at_.dip) || columns_.unit(at_.dip) != nullptr) return;
+    if (auto note = angles_.note(columns_.name_of(at_.dip))) notes.push_back(*std::move(note));
+  }
+
+ private:
+  ColumnReader& columns_;
+  PlaneColumns at_;
+  AngleWatch angles_;
+};
+
+enum TraceColumn : std::uint8_t {
+  x1,
+  y1,
+  z1,
+  x2,
+  y2,
+  z2,
+  face,
+  trace_set,
+  trace_joint,
+  end1,
+  end2,
+  t_dip,
+  t_dd,
+  t_strike
+};
+constexpr std::array<ColumnNames, 14> trace_columns{{
     {"m", {"x1", "x_1", "easting1", "easting_1"}},
     {"m", {"y1", "y_1", "northing1", "northing_1"}},
     {"m", {"z1", "z_1", "elevation1", "elevation_1"}},
@@ -68,11 +137,14 @@ constexpr std::array<ColumnNames, 11> trace_columns{{
     {"", {"joint", "joint_id", "id"}},
     {"", {"end1", "end_1"}},
     {"", {"end2", "end_2"}},
+    dip_names,
+    dip_direction_names,
+    strike_names,
 }};
 
 class TraceReader final {
  public:
-  explicit TraceReader(ColumnReader& columns) : columns_{columns} {}
+  explicit TraceReader(ColumnReader& columns) : columns_{columns}, planes_{columns, {t_dip, t_dd, t_strike}} {}
 
   void check_header() {
     std::string missing;
@@ -83,6 +155,7 @@ class TraceReader final {
       columns_.bad_header(fmt::format("columns of the ends of traces are missing: {}", missing),
                           "add x1, y1, z1 and x2, y2, z2 (m): where the trace begins and ends");
     }
+    planes_.check_header();
   }
 
   TraceRow row(const CsvTable::Row& row) {
@@ -93,9 +166,10 @@ class TraceReader final {
     out.ends[0] = {columns_.required(row, x1), columns_.required(row, y1), columns_.required(row, z1)};
     out.ends[1] = {columns_.required(row, x2), columns_.required(row, y2), columns_.required(row, z2)};
     out.goes_on = {goes_on(row, end1), goes_on(row, end2)};
+    out.plane = planes_.plane(row);
     return out;
   }
-  void add_notes(std::vector<std::string>& /*notes*/) const {}
+  void add_notes(std::vector<std::string>& notes) const { planes_.add_notes(notes); }
 
  private:
   std::optional<bool> goes_on(const CsvTable::Row& row, TraceColumn column) {
@@ -110,6 +184,7 @@ class TraceReader final {
   }
 
   ColumnReader& columns_;
+  PlaneReader planes_;
 };
 
 // ---- picks ----------------------------------------------------------------------------------------------------------
@@ -121,16 +196,16 @@ constexpr std::array<ColumnNames, 10> pick_columns{{
     {"m", {"x", "easting", "east"}},
     {"m", {"y", "northing", "north"}},
     {"m", {"z", "elevation"}},
-    {"degrees", {"dip", "dip_angle", "dipangle"}},
-    {"degrees", {"dip_direction", "dipdirection", "dipdir", "dip_dir", "dip_azimuth", "dd"}},
-    {"degrees", {"strike"}},
+    dip_names,
+    dip_direction_names,
+    strike_names,
     {"", {"set", "joint_set", "set_id"}},
     {"", {"joint", "joint_id", "id"}},
 }};
 
 class PickReader final {
  public:
-  explicit PickReader(ColumnReader& columns) : columns_{columns} {}
+  explicit PickReader(ColumnReader& columns) : columns_{columns}, planes_{columns, {dip, dip_direction, strike}} {}
 
   void check_header() {
     const bool all = columns_.has(x) && columns_.has(y) && columns_.has(z);
@@ -138,14 +213,7 @@ class PickReader final {
     if ((!columns_.has(depth) && !all) || (any && !all)) {
       columns_.bad_header("it is not said where the picks are", "add depth (m along the hole), or x, y and z (m)");
     }
-    const bool direction = columns_.has(dip_direction) || columns_.has(strike);
-    if (columns_.has(dip) != direction) {
-      columns_.bad_header(direction ? "there is no column dip" : "there is no column dip_direction or strike",
-                          "give both, or none: the planes are then not measured");
-    }
-    if (columns_.has(dip_direction) && columns_.has(strike)) {
-      columns_.bad_header("there are both dip_direction and strike", "give one of them");
-    }
+    planes_.check_header();
   }
 
   PickRow row(const CsvTable::Row& row) {
@@ -162,34 +230,14 @@ class PickReader final {
                        placed ? "gives a depth and x, y, z" : "does not say where the pick is",
                        "give the depth along the hole, or x, y and z");
     }
-    out.plane = plane(row);
+    out.plane = planes_.plane(row);
     return out;
   }
-  void add_notes(std::vector<std::string>& notes) const {
-    if (!columns_.has(dip) || columns_.unit(dip) != nullptr) return;
-    if (auto note = angles_.note(columns_.name_of(dip))) notes.push_back(*std::move(note));
-  }
+  void add_notes(std::vector<std::string>& notes) const { planes_.add_notes(notes); }
 
  private:
-  std::optional<geometry::Attitude> plane(const CsvTable::Row& row) {
-    const PickColumn bearing = columns_.has(strike) ? strike : dip_direction;
-    if (columns_.cell(row, dip).empty() && columns_.cell(row, bearing).empty()) return std::nullopt;
-    const double steep = columns_.required(row, dip);
-    double direction = columns_.required(row, bearing);
-    angles_.look_at(steep, direction);
-    if (!(steep >= 0 && steep <= 90)) {
-      columns_.problem(row, dip, ReadFault::out_of_range, fmt::format("dip is {}, outside 0..90", steep), "correct it");
-    }
-    if (!(direction >= 0 && direction <= 360)) {
-      columns_.problem(row, bearing, ReadFault::out_of_range,
-                       fmt::format("{} is {}, outside 0..360", columns_.name_of(bearing), direction), "correct it");
-    }
-    if (bearing == strike) direction += 90;
-    return geometry::Attitude{Dip::degrees(steep), DipDirection::degrees(geometry::wrap_degrees(direction))};
-  }
-
   ColumnReader& columns_;
-  AngleWatch angles_;
+  PlaneReader planes_;
 };
 
 }  // namespace

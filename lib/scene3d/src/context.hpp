@@ -86,7 +86,7 @@ struct StatedLoads {
                                                      const std::set<SetId>& used,
                                                      const std::optional<geometry::Solid>& domain);
 /// Refuses water of [flow] in loads where none is found.
-void check_flow_water(const Context& context, const StabilitySettings& stability,
+void check_flow_water(const Context& context, const std::optional<StabilitySettings>& stability,
                       const std::optional<FlowSettings>& flow, bool stages, bool ensemble);
 /// [mapped]; after the joint sets and the excavations.
 [[nodiscard]] std::optional<MappedSettings> parse_mapped(Context& context, const TableReader& root,

@@ -60,6 +60,9 @@ bool holds(const dfn::MappedFace& face, Vec3 p) {
 
 namespace {
 
+/// What a plane may lie off its trace without a word.
+constexpr double askew_degrees = 15;
+
 /// Shorter traces are points.
 constexpr Length shortest_trace = metres(1e-6);
 
@@ -147,6 +150,11 @@ class Rows final {
     return at->second;
   }
 
+  [[nodiscard]] Vec3 normal_of_plane(const geometry::Attitude& plane) const {
+    const DipDirection direction = context_.turned(plane.direction.degrees() + table_.value("declination"));
+    return geometry::upward_normal({plane.dip, direction});
+  }
+
   // ---- traces
 
   void read_traces() {
@@ -159,6 +167,13 @@ class Rows final {
            fmt::format("{} of {} traces are shorter than mapped.shortest = {:g} m (this is the first) and left out",
                        short_, table->rows.size(), seen_.shortest.si()),
            "");
+    }
+    if (askew_ > 0) {
+      note(first_askew_, "dip",
+           fmt::format("{} of {} planes lie more than {:g} degrees off their traces (this is the first): they are "
+                       "turned so that they hold them",
+                       askew_, table->rows.size(), askew_degrees),
+           "correct the plane or the trace; declination turns all planes");
     }
     if (at_border_ > 0) {
       note(1, "end1",
@@ -269,6 +284,11 @@ class Rows final {
       trace.goes_on.at(e) = row.goes_on.at(e).value_or(near);
       if (!row.goes_on.at(e) && near) ++at_border_;
     }
+    if (row.plane) {
+      trace.normal = normal_of_plane(*row.plane);
+      const double sine = std::abs(dot(*trace.normal, (*second - *first) / length.si()));
+      if (sine > std::sin(dfn::Rotation::degrees(askew_degrees).radians()) && askew_++ == 0) first_askew_ = row.line;
+    }
     const auto [same, added] = traces_.try_emplace(key_of(trace), MappedRow{file_, row.line});
     if (!added) {
       return error(row.line, "x1", fmt::format("is the trace of line {} again", same->second.line), "remove one");
@@ -333,10 +353,7 @@ class Rows final {
                    "a plane meets a straight hole once: give the joints different ids");
     }
     dfn::MappedPick pick{.hole = *hole, .at = *at};
-    if (row.plane) {
-      const DipDirection direction = context_.turned(row.plane->direction.degrees() + table_.value("declination"));
-      pick.normal = geometry::upward_normal({row.plane->dip, direction});
-    }
+    if (row.plane) pick.normal = normal_of_plane(*row.plane);
     picks.push_back(pick);
     settings_.sources[*joint].rows.push_back({file_, row.line, true});
   }
@@ -379,8 +396,8 @@ class Rows final {
   std::string file_;
   std::map<std::string, std::size_t, std::less<>> by_id_;
   std::map<Key, MappedRow> traces_;
-  std::size_t short_ = 0, at_border_ = 0;
-  std::uint32_t first_short_ = 0;
+  std::size_t short_ = 0, at_border_ = 0, askew_ = 0;
+  std::uint32_t first_short_ = 0, first_askew_ = 0;
 };
 
 }  // namespace

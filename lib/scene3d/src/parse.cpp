@@ -294,9 +294,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
     output.only_key_blocks = false;
   }
   std::optional<MonteCarloSettings> monte_carlo = parse_monte_carlo(root);
-  if (stability.settings) {
-    check_flow_water(context, *stability.settings, flow, sequence.has_value(), monte_carlo.has_value());
-  }
+  check_flow_water(context, stability.settings, flow, sequence.has_value(), monte_carlo.has_value());
   if (monte_carlo && monte_carlo->stop) {
     check_stop(root, *monte_carlo->stop, stability.settings.has_value(), output.only_key_blocks, !excavations.empty());
   }

@@ -80,8 +80,9 @@ std::optional<FlowSettings> parse_flow(const TableReader& root, const Context& c
   return settings;
 }
 
-void check_flow_water(const Context& context, const StabilitySettings& stability,
+void check_flow_water(const Context& context, const std::optional<StabilitySettings>& stability,
                       const std::optional<FlowSettings>& flow, bool stages, bool ensemble) {
+  if (!stability) return;
   const auto check = [&](const LoadSet& loads) {
     if (!loads.flow) return;
     const auto refuse = [&](const char* what, const char* remedy) {
@@ -98,8 +99,8 @@ void check_flow_water(const Context& context, const StabilitySettings& stability
              "give water a table, or run one realization");
     }
   };
-  check(stability.loads);
-  for (const LoadCase& load : stability.cases) check(load.loads);
+  check(stability->loads);
+  for (const LoadCase& load : stability->cases) check(load.loads);
 }
 
 }  // namespace cleave::scene

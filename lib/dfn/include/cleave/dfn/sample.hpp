@@ -99,6 +99,7 @@ struct MappedTrace {
   std::size_t face = 0;
   std::array<geometry::Vec3, 2> ends;         ///< m, in the face's plane
   std::array<bool, 2> goes_on{false, false};  ///< the joint does not end there: the face does
+  std::optional<geometry::Vec3> normal = {};  ///< unit, of the joint as it was measured there
 };
 /// Where a hole goes through a joint.
 struct MappedPick {

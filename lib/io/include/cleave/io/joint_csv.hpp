@@ -85,6 +85,7 @@ struct TraceRow {
   std::array<geometry::Vec3, 2> ends;
   /// Whether the joint goes on there, out of sight; empty: not said.
   std::array<std::optional<bool>, 2> goes_on;
+  std::optional<geometry::Attitude> plane = {};  ///< of the joint, as written: clockwise from the file's north
 };
 /// One row of a table of joints that were picked in holes.
 struct PickRow {
@@ -101,8 +102,8 @@ struct MappedTable {
 };
 
 /// Tables with a header, as tables of joints have. Traces: x1, y1, z1, x2, y2, z2; face, set, joint, end1 and end2
-/// ("ends" or "goes_on") where they are known. Picks: depth, or x, y, z; hole, set, joint, and dip with dip_direction
-/// or strike. A table without rows is a table: nothing was seen.
+/// ("ends" or "goes_on") where they are known. Picks: depth, or x, y, z; hole, set, joint. Both: dip with dip_direction
+/// or strike, as measured. A table without rows is a table: nothing was seen.
 [[nodiscard]] std::expected<MappedTable<TraceRow>, std::vector<ReadError>> parse_trace_csv(std::string_view bytes,
                                                                                            std::string_view name);
 [[nodiscard]] std::expected<MappedTable<PickRow>, std::vector<ReadError>> parse_pick_csv(std::string_view bytes,
