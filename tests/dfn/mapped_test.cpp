@@ -51,7 +51,7 @@ SizeSpec even(double from, double to) {
 }
 std::vector<HonouredJoint> drawn(const JointSet& set, const Mapping& mapping, std::uint64_t realization) {
   const std::array<const JointSet*, 1> sets{&set};
-  return honour(sets, mapping, 5, realization);
+  return honour(sets, mapping, 5, realization).value();
 }
 double size_of(const SampledJoint& joint) { return std::get<JointOutline>(joint.shape).first * 2; }
 
@@ -354,7 +354,7 @@ TEST(MappedTest, AnUnknownSetIsDrawnByHowManyOfItsJointsWouldShow) {
     Mean mean;
     const std::array<const JointSet*, 3> sets{&first, nullptr, &other};
     for (std::uint64_t k = 0; k < 3000; ++k) {
-      const std::size_t set = honour(sets, mapping, 5, k).front().set;
+      const std::size_t set = honour(sets, mapping, 5, k)->front().set;
       EXPECT_TRUE(set == 0 || set == 2);
       mean.add(set == 2 ? 1 : 0);
     }
@@ -378,6 +378,20 @@ TEST(MappedTest, WhatTheLawDoesNotShowIsThereAllTheSame) {
   const auto turned = drawn(fixed, one_trace(4, false, false), 0).front();
   EXPECT_FALSE(turned.honours);
   EXPECT_NEAR(turned.joint.normal.x, 0, 1e-9);
+}
+
+TEST(MappedTest, JointsThatAreNoPolygonsThereAreRefused) {
+  // Joints of a micrometre, 1e10 m away.
+  const JointSet small = discs(even(1e-7, 1e-6));
+  Mapping mapping{.holes = {{{1e10, 0, -1}, {1e10, 0, 1}}}};
+  mapping.joints.push_back({.set = 0U, .picks = {{0, {1e10, 0, 0}}}});
+  const std::array<const JointSet*, 1> sets{&small};
+  const auto refused = honour(sets, mapping, 5, 0);
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_TRUE(std::holds_alternative<JointTooSmall>(refused.error()));
+  // A set without spread whose normal is the trace's direction still gives one.
+  const JointSet square = discs(even(5, 6), 1e9, 90);  // normal along x
+  EXPECT_FALSE(drawn(square, one_trace(4, false, false), 0).front().honours);
 }
 
 TEST(MappedTest, AJointDependsOnNoOtherJoint) {

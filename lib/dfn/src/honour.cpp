@@ -1,10 +1,12 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <expected>
 #include <limits>
 #include <optional>
 
 #include "cleave/core/assert.hpp"
+#include "cleave/core/expected.hpp"
 #include "cleave/core/rng.hpp"
 #include "mapped.hpp"
 #include "orientation.hpp"
@@ -160,7 +162,7 @@ class Honourer final {
   Honourer(std::span<const JointSet* const> sets, const Mapping& mapping, std::uint64_t seed,
            std::uint64_t realization);
 
-  [[nodiscard]] HonouredJoint draw(std::size_t number) const;
+  [[nodiscard]] std::expected<HonouredJoint, SampleError> draw(std::size_t number) const;
 
  private:
   struct Law {
@@ -178,14 +180,19 @@ class Honourer final {
     std::optional<Vec3> normal;        ///< known without the law
     bool whatever = false;             ///< also what the law would not show so, as near as it comes
   };
+  struct Draws {
+    std::vector<Candidate> candidates;
+    std::optional<geometry::PolygonError> too_small;  ///< where one was no polygon at these coordinates
+  };
   struct Placed {
     double weight;
     Vec3 centre;
   };
 
   [[nodiscard]] Seen seen_of(const MappedJoint& joint) const;
-  [[nodiscard]] std::optional<HonouredJoint> drawn_for(const Seen& seen, std::size_t number, Rng& rng) const;
-  void add(const Law& law, const Seen& seen, Rng& rng, std::vector<Candidate>& candidates) const;
+  [[nodiscard]] std::optional<HonouredJoint> drawn_for(const Seen& seen, std::size_t number, Rng& rng,
+                                                       Draws& draws) const;
+  void add(const Law& law, const Seen& seen, Rng& rng, Draws& draws) const;
   /// The drawn frame turned so that it holds what was seen, and how likely it would be seen so; none: it is not.
   [[nodiscard]] std::optional<std::pair<detail::Frame, double>> turned(const Law& law, const Seen& seen,
                                                                        Rng& rng) const;
@@ -231,14 +238,15 @@ std::optional<std::pair<detail::Frame, double>> Honourer::turned(const Law& law,
     }
     return std::pair{detail::frame_of_normal(*seen.normal, frame.strike), 1.0};
   }
-  if (!seen.trace) return std::pair{frame, hole_shows(seen.joint.picks.front())};
+  if (!seen.trace) return std::pair{frame, seen.whatever ? 1.0 : hole_shows(seen.joint.picks.front())};
   // A face shows joints as the sine of the angle between them; their traces lie along face x joint.
   const Vec3 line = cross(faces_[seen.trace->face].frame.normal, frame.normal);
   const double sine = norm(line);
   const Vec3 along = geometry::normalized(seen.trace->ends[1] - seen.trace->ends[0]);
   const bool shows = sine > 1e-9 && norm(cross(line, along)) <= sine * std::sin(mapping_.turn.radians());
-  const Vec3 across = frame.normal - dot(frame.normal, along) * along;
-  if ((!shows && !seen.whatever) || !(norm(across) > 1e-9)) return std::nullopt;
+  if (!shows && !seen.whatever) return std::nullopt;
+  Vec3 across = frame.normal - dot(frame.normal, along) * along;
+  if (!(norm(across) > 1e-9)) across = detail::flat_frame({}, along).x;  // the trace is square to the joint: any turn
   return std::pair{detail::frame_of_normal(geometry::normalized(across), frame.strike), shows ? sine : 1.0};
 }
 
@@ -285,7 +293,7 @@ std::pair<Vec2, double> point_in(std::span<const Vec2> corners, Rng& rng) {
   return {corners[0] + s * (corners[at] - corners[0]) + t * (corners[at + 1] - corners[0]), area};
 }
 
-void Honourer::add(const Law& law, const Seen& seen, Rng& rng, std::vector<Candidate>& candidates) const {
+void Honourer::add(const Law& law, const Seen& seen, Rng& rng, Draws& draws) const {
   const auto posed = turned(law, seen, rng);
   if (!posed) return;
   const auto& [frame, shown] = *posed;
@@ -304,10 +312,17 @@ void Honourer::add(const Law& law, const Seen& seen, Rng& rng, std::vector<Candi
     const auto [point, area] = point_in(corners, rng);
     placed = Placed{area, seen.joint.picks.front().at - point.x * outline.along - point.y * outline.across};
   }
-  if (!placed || !detail::surely_valid(outline, placed->centre)) return;
-  const double weight = law.density * shown * placed->weight;
+  if (!placed) return;
+  if (!detail::surely_valid(outline, placed->centre)) {
+    const auto polygon = geometry::Polygon::make(detail::corners_of(outline, placed->centre, law.unit));
+    if (!polygon) {
+      draws.too_small = polygon.error();
+      return;
+    }
+  }
+  const double weight = (seen.whatever ? 1 : law.density) * shown * placed->weight;
   if (!(weight > 0)) return;
-  candidates.push_back({-std::log(rng.uniform()) / weight, law.set, outline, placed->centre, frame.normal});
+  draws.candidates.push_back({-std::log(rng.uniform()) / weight, law.set, outline, placed->centre, frame.normal});
 }
 
 /// How far what a candidate shows on a face is from what was seen there.
@@ -353,19 +368,20 @@ double Honourer::misfit(const MappedJoint& joint, const detail::SolidJoint& cand
   return worst;
 }
 
-HonouredJoint Honourer::draw(std::size_t number) const {
+std::expected<HonouredJoint, SampleError> Honourer::draw(std::size_t number) const {
   const MappedJoint& joint = mapping_.joints[number];
   Rng rng{{.seed = seed_,
            .realization = realization_,
            .purpose = stream_purpose(0, Draw::mapped),
            .index = static_cast<std::uint32_t>(number)}};
   Seen seen = seen_of(joint);
-  auto drawn = drawn_for(seen, number, rng);
+  Draws draws;
+  auto drawn = drawn_for(seen, number, rng, draws);
   if (drawn) return *std::move(drawn);
   // The law shows no such joint: that it is there is certain.
   seen.whatever = true;
-  drawn = drawn_for(seen, number, rng);
-  CLEAVE_ASSERT(drawn.has_value());
+  drawn = drawn_for(seen, number, rng, draws);
+  if (!drawn) return std::unexpected(JointTooSmall{number, draws.too_small.value_or(geometry::ZeroArea{})});
   drawn->honours = false;
   return *std::move(drawn);
 }
@@ -389,16 +405,16 @@ Honourer::Seen Honourer::seen_of(const MappedJoint& joint) const {
   return seen;
 }
 
-std::optional<HonouredJoint> Honourer::drawn_for(const Seen& seen, std::size_t number, Rng& rng) const {
+std::optional<HonouredJoint> Honourer::drawn_for(const Seen& seen, std::size_t number, Rng& rng, Draws& draws) const {
   const MappedJoint& joint = seen.joint;
-  std::vector<Candidate> candidates;
+  std::vector<Candidate>& candidates = draws.candidates;
   std::optional<HonouredJoint> nearest;
-  std::size_t draws = 0;
-  for (std::size_t wanted = enough_candidates; draws < most_draws; wanted *= 8) {
+  std::size_t drawn = 0;
+  for (std::size_t wanted = enough_candidates; drawn < most_draws; wanted *= 8) {
     const std::size_t looked_at = candidates.size();
-    for (; draws < most_draws && candidates.size() < wanted; ++draws) {
+    for (; drawn < most_draws && candidates.size() < wanted; ++drawn) {
       for (const Law& law : laws_) {
-        if (!joint.set || law.set == *joint.set) add(law, seen, rng, candidates);
+        if (!joint.set || law.set == *joint.set) add(law, seen, rng, draws);
       }
     }
     // Those of earlier rounds did not fit.
@@ -417,12 +433,16 @@ std::optional<HonouredJoint> Honourer::drawn_for(const Seen& seen, std::size_t n
 
 }  // namespace
 
-std::vector<HonouredJoint> honour(std::span<const JointSet* const> sets, const Mapping& mapping, std::uint64_t seed,
-                                  std::uint64_t realization) {
+std::expected<std::vector<HonouredJoint>, SampleError> honour(std::span<const JointSet* const> sets,
+                                                              const Mapping& mapping, std::uint64_t seed,
+                                                              std::uint64_t realization) {
   const Honourer honourer{sets, mapping, seed, realization};
   std::vector<HonouredJoint> joints;
   joints.reserve(mapping.joints.size());
-  for (std::size_t number = 0; number < mapping.joints.size(); ++number) joints.push_back(honourer.draw(number));
+  for (std::size_t number = 0; number < mapping.joints.size(); ++number) {
+    CLEAVE_TRY(HonouredJoint joint, honourer.draw(number));
+    joints.push_back(std::move(joint));
+  }
   return joints;
 }
 

@@ -117,15 +117,17 @@ using SampledSets = std::vector<std::vector<dfn::SampledJoint>>;
 constexpr std::uint32_t first_seen = std::uint32_t{1} << 31U;
 
 /// Of each set the joints drawn for what has been mapped of it; how well they do so is written into `result`.
-SampledSets honour_mapped(const Scene& scene, std::uint64_t geometry, MappedResult& result) {
+std::expected<SampledSets, Problem> honour_mapped(const Scene& scene, std::uint64_t geometry, MappedResult& result) {
   const MappedSettings& mapped = *scene.mapped;
   std::vector<const dfn::JointSet*> laws;
   for (std::size_t i = 0; i < scene.joint_sets.size(); ++i) {
     laws.push_back(mapped.sets[i] != 0 ? &scene.joint_sets[i].law : nullptr);
   }
   result = {.faces = mapped.faces.size(), .holes = mapped.holes.size()};
+  auto honoured = dfn::honour(laws, mapped.seen, scene.seed, geometry);
+  if (!honoured) return std::unexpected(Problem{scene.shown, mapped.line, "mapped", describe(honoured.error()), ""});
   SampledSets seen(scene.joint_sets.size());
-  for (dfn::HonouredJoint& found : dfn::honour(laws, mapped.seen, scene.seed, geometry)) {
+  for (dfn::HonouredJoint& found : *honoured) {
     const dfn::MappedJoint& asked = mapped.seen.joints[found.mapped];
     const MappedSettings::Source& source = mapped.sources[found.mapped];
     const geometry::Attitude attitude = geometry::attitude_of(found.joint.normal);
@@ -156,7 +158,11 @@ std::expected<SampledSets, std::vector<Problem>> sample_sets(const Scene& scene,
   const std::uint64_t geometry = realization / (scene.monte_carlo ? scene.monte_carlo->strengths_per_geometry : 1);
   std::vector<Problem> problems;
   SampledSets seen(count);
-  if (scene.mapped) seen = honour_mapped(scene, geometry, mapped.emplace());
+  if (scene.mapped) {
+    auto honoured = honour_mapped(scene, geometry, mapped.emplace());
+    if (!honoured) return std::unexpected(std::vector{std::move(honoured).error()});
+    seen = *std::move(honoured);
+  }
   for (const std::size_t number : drawing_order(scene.joint_sets)) {
     const RandomSet& set = scene.joint_sets[number];
     std::vector<std::span<const dfn::SampledJoint>> older;

@@ -152,10 +152,11 @@ struct HonouredJoint {
 /// Joint i depends only on (seed, realization, i), the mapping and the laws. Candidates are drawn by the laws, laid on
 /// the longest trace, weighed by how likely they would show it, and rejected where they do not show the rest; where
 /// none of many thousands does, the nearest one is taken and `honours` is false. Planes seen in several places are
-/// fitted to them by least squares. Precondition: sets of mapped joints exist, and `cannot_honour` none of `sets` that
-/// is not null; null: not mapped.
-[[nodiscard]] std::vector<HonouredJoint> honour(std::span<const JointSet* const> sets, const Mapping& mapping,
-                                                std::uint64_t seed, std::uint64_t realization);
+/// fitted to them by least squares. Error: no candidate is a polygon at these coordinates. Precondition: sets of mapped
+/// joints exist, and `cannot_honour` none of `sets` that is not null; null: not mapped.
+[[nodiscard]] std::expected<std::vector<HonouredJoint>, SampleError> honour(std::span<const JointSet* const> sets,
+                                                                            const Mapping& mapping, std::uint64_t seed,
+                                                                            std::uint64_t realization);
 
 /// The longest trace that a joint of this set can leave (m).
 [[nodiscard]] Length longest_trace(const JointSet& set);
