@@ -25,7 +25,7 @@ const Expected* error_of(const std::vector<Vec3>& corners) {
   return std::get_if<Expected>(&kept);
 }
 
-Vec3 area_vector(std::span<const Vec3> ring) {
+Vec3 area_of_ring(std::span<const Vec3> ring) {
   Vec3 sum{};
   for (std::size_t i = 1; i + 1 < ring.size(); ++i) sum += cross(ring[i] - ring[0], ring[i + 1] - ring[0]);
   return sum / 2;
@@ -154,10 +154,10 @@ TEST(PolygonTest, StarsAreSimpleAndDoubleTurnsCross) {
     Vec3 sum{};
     double magnitude = 0;
     for (const Polygon& t : *triangles) {
-      sum += area_vector(t.corners());
-      magnitude += norm(area_vector(t.corners()));
+      sum += area_of_ring(t.corners());
+      magnitude += norm(area_of_ring(t.corners()));
     }
-    const double area = norm(area_vector(ring));
+    const double area = norm(area_of_ring(ring));
     EXPECT_NEAR(norm(sum), area, 1e-7 * area);
     EXPECT_NEAR(magnitude, area, 1e-7 * area);  // no triangle overlaps another
     if (n % 2 == 1) {  // every second corner, twice around the centre: no simple ring can do that
