@@ -76,8 +76,8 @@ std::vector<dfn::SampledJoint> network(const dfn::JointSet& set, const dfn::Mapp
                                        std::uint64_t realization) {
   auto joints = dfn::unseen(dfn::sample(set, 0, domain, 12, realization).value(), mapping);
   const std::array<const dfn::JointSet*, 1> sets{&set};
-  for (auto& honoured : dfn::honour(sets, mapping, 12, realization).value())
-    joints.push_back(std::move(honoured.joint));
+  auto drawn = dfn::honour(sets, mapping, 12, realization).value();
+  for (auto& honoured : drawn) joints.push_back(std::move(honoured.joint));
   return joints;
 }
 
@@ -129,7 +129,8 @@ void study_mapped(study::Study& study) {
       for (std::uint64_t k = 0; k < draws_per_truth; ++k) {
         drawn.push_back(ahead(network(set, mapping, truth * draws_per_truth + k)));
       }
-      for (const auto& joint : dfn::honour(sets, mapping, 13, truth).value()) honoured += joint.honours ? 1U : 0U;
+      const auto once = dfn::honour(sets, mapping, 13, truth).value();
+      for (const auto& joint : once) honoured += joint.honours ? 1U : 0U;
       seen += mapping.joints.size();
       foretell(ahead(joints), std::move(drawn), truth, found);
     }
