@@ -252,7 +252,7 @@ std::vector<Key> load_set_keys() {
   return {
       {"seismic", key::vector(seismic_rule), "[0, 0, 0]", "pseudo-static force / weight, in the direction given"},
       {"water", key::table(&water_keys), "",
-       "`{ table, unit_weight = 9810, free_faces = false, pressures = { SET = Pa } }`, below"},
+       "`{ table, unit_weight = 9810, free_faces = false, pressures = { SET = Pa }, flow = false }`, below"},
       {"surcharge", key::tables(&surcharge_keys), "",
        "`[{ on = \"all\", within = { min, max }, traction = [x, y, z], pressure }]`: Pa on free faces; `on` names an "
        "excavation or a face of the domain, `within` a box that cuts the loaded area out; `pressure` acts against "
