@@ -6,8 +6,8 @@ summary.json says with those that `cost` has booked; `cleave plan` must say the 
 ensemble are booked together as monte_carlo and apart in `realization_cost`; of an ensemble one realization is replayed
 and, where it has enough, one shard is run, by the same rule. Of the examples that are planned alike and have the same
 tables the quickest is run, with --all (at night) every one. Scenes that take longer than S seconds (20) are left out;
-kinds of which two were are counted. Those of `cleave init` must be planned and end well, however long they take, and so
-must be planned what `cleave check` takes for a scene.
+kinds of which two were are counted. What `cleave check` takes for a scene must be planned; of `cleave init` these must
+end well, however long they take.
 """
 import argparse
 import json
@@ -42,8 +42,7 @@ def plan_of(program, scene):
     said = subprocess.run([program, "plan", scene], capture_output=True, text=True)
     if said.returncode != 0:
         checked = subprocess.run([program, "check", scene], capture_output=True, text=True)
-        is_scene = checked.returncode == 0 or not scene.is_relative_to(ROOT)
-        return f"cleave plan ended with {said.returncode}: {said.stderr.strip()}" if is_scene else None
+        return f"cleave plan ended with {said.returncode}: {said.stderr.strip()}" if checked.returncode == 0 else None
     estimate = re.search(r"^estimated size: .*? ([0-9.e+-]+) s of CPU", said.stdout, re.M)
     return re.findall(r"^  (\w+) +run ", said.stdout, re.M), float(estimate.group(1)) if estimate else 0.0
 
