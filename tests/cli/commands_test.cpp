@@ -106,7 +106,7 @@ TEST_F(CommandsTest, PlanNamesEveryStageAndWritesNothing) {
     EXPECT_TRUE(std::regex_search(plan.out, std::regex{"\n  " + std::string{stage} + " +left out +no "}))
         << stage << plan.out;
   }
-  EXPECT_NE(plan.out.find("estimated size: 12 joints"), std::string::npos) << plan.out;
+  EXPECT_NE(plan.out.find("estimated size: 8 joints"), std::string::npos) << plan.out;
   EXPECT_EQ(names(), (std::vector<std::string>{"s.toml"}));
 }
 
@@ -121,7 +121,7 @@ TEST_F(CommandsTest, RunWritesAWholeResult) {
   const auto summary = nlohmann::json::parse(read("out/summary.json"));
   EXPECT_EQ(summary["cleave"], "0.1.0");
   EXPECT_EQ(summary["title"], "small");
-  EXPECT_EQ(summary["input"]["joints"], 12);
+  EXPECT_EQ(summary["input"]["joints"], 8);
   EXPECT_EQ(summary["cost"]["threads"], 2);
   EXPECT_TRUE(summary["blocks"]["certificate"]["passed"]);
   EXPECT_TRUE(summary.contains("key_blocks"));

@@ -38,7 +38,7 @@ class DesignsTest : public ProgramTest {
     return json::parse(read("difference.json"))["quantities"];
   }
   static std::string with_friction_law() {
-    std::string text{small_scene};
+    std::string text = crowded_scene();
     text.replace(text.find("friction = 20"), 13, "friction = { distribution = \"uniform\", min = 15, max = 45 }");
     return text;
   }

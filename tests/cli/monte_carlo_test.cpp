@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include "program.hpp"
+#include "signals.hpp"
 
 namespace cleave::cli::test {
 namespace {
@@ -13,7 +13,7 @@ using nlohmann::json;
 class MonteCarloTest : public ProgramTest {
  protected:
   static std::string scene(const std::string& monte_carlo) {
-    std::string text{small_scene};
+    std::string text = crowded_scene();
     text.replace(text.find("friction = 20"), 13,
                  "friction = { distribution = \"uniform\", min = 15, max = 35 }\n"
                  "cohesion = { distribution = \"exponential\", mean = 2000 }");
@@ -284,24 +284,29 @@ TEST_F(MonteCarloTest, JobArrayGivesTheSameBytes) {
   EXPECT_EQ(read("all/realizations.csv"), read("one/realizations.csv"));
 }
 
+/// Bytes of a file that may not be there yet: 0 then.
+std::uintmax_t bytes_of(const fs::path& file) {
+  std::error_code none;
+  const std::uintmax_t size = fs::file_size(file, none);
+  return none ? 0 : size;
+}
+
 // Killed at several moments, the same command goes on and ends with the bytes of an uninterrupted run.
 TEST_F(MonteCarloTest, KilledRunsResumeToTheSameBytes) {
   write("s.toml", scene("realizations = 400"));
   ASSERT_EQ(cleave("run s.toml -o whole --threads 2 --quiet").code, 0);
-  int killed = 0;
-  for (const std::string pause : {"0.05", "0.1", "0.15", "0.2"}) {
-    const Ended ended = shell("'" CLEAVE_PROGRAM "' run s.toml -o broken --threads 2 --quiet & p=$!; sleep " + pause +
-                              "; kill -9 $p 2>/dev/null; wait $p; echo $?");
-    killed += ended.out.contains("137") ? 1 : 0;
-    if (exists("broken/summary.json")) break;
+  const std::uintmax_t all = fs::file_size(path("whole/realizations.csv"));
+  for (const std::uintmax_t sixteenths : {1U, 2U, 4U, 8U}) {
+    const Ended ended =
+        signalled(folder(), {"run", "s.toml", "-o", "broken", "--threads", "2", "--quiet"}, SIGKILL,
+                  [&] { return bytes_of(folder() / "broken/realizations.csv.part") * 16 > all * sixteenths; });
+    EXPECT_EQ(ended.code, 128 + SIGKILL) << ended.err;
+    ASSERT_FALSE(exists("broken/summary.json"));
   }
-  EXPECT_GT(killed, 0);
-  if (!exists("broken/summary.json")) {
-    // Another seed or a single run may not take the place of what is kept.
-    EXPECT_EQ(cleave("run s.toml -o broken --seed 5 --quiet").code, 2);
-    write("t.toml", small_scene);
-    EXPECT_EQ(cleave("run t.toml -o broken --quiet").code, 2);
-  }
+  // Another seed or a single run may not take the place of what is kept.
+  EXPECT_EQ(cleave("run s.toml -o broken --seed 5 --quiet").code, 2);
+  write("t.toml", small_scene);
+  EXPECT_EQ(cleave("run t.toml -o broken --quiet").code, 2);
   ASSERT_EQ(cleave("run s.toml -o broken --threads 1 --quiet").code, 0);
   EXPECT_EQ(section_text("broken"), section_text("whole"));
   EXPECT_EQ(read("broken/realizations.csv"), read("whole/realizations.csv"));
@@ -345,9 +350,9 @@ TEST_F(MonteCarloTest, ShardsAndSeedsThatCannotBeAreRefused) {
 
 TEST_F(MonteCarloTest, InterruptKeepsWhatIsDone) {
   write("s.toml", scene("realizations = 100000"));
-  const Ended ended =
-      shell("'" CLEAVE_PROGRAM "' run s.toml -o out --quiet & p=$!; sleep 0.5; kill -INT $p; wait $p; echo code $?");
-  EXPECT_NE(ended.out.find("code 130"), std::string::npos) << ended.out;
+  const Ended ended = signalled(folder(), {"run", "s.toml", "-o", "out", "--quiet"}, SIGINT,
+                                [&] { return bytes_of(folder() / "out/realizations.csv.part") > 0; });
+  EXPECT_EQ(ended.code, 130);
   EXPECT_NE(ended.err.find("goes on from there"), std::string::npos) << ended.err;
   EXPECT_TRUE(exists("out/realizations.csv.part"));
   EXPECT_FALSE(exists("out/summary.json"));

@@ -83,7 +83,7 @@ box = { min = [0, 0, 0], max = [8, 8, 6] }
 name = "A"
 orientation = { dip = 45, dip_direction = 90, distribution = "fisher", kappa = 5 }
 size = { distribution = "constant", mean = 12 }
-intensity = { count = 12 }
+intensity = { count = 8 }
 [joints.default]
 friction = 20
 [rock]
@@ -91,5 +91,12 @@ density = 2700
 [stability]
 free = ["top", "east"]
 )toml";
+
+/// The same with 12 joints: more of its realizations have key blocks.
+inline std::string crowded_scene() {
+  std::string text{small_scene};
+  constexpr std::string_view count = "count = 8";
+  return text.replace(text.find(count), count.size(), "count = 12");
+}
 
 }  // namespace cleave::cli::test

@@ -1,16 +1,11 @@
 #pragma once
 
-#include <sched.h>
-#include <signal.h>
-#include <spawn.h>
-
-#include <array>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <thread>
 #include <vector>
 
-#include "program.hpp"
+#include "signals.hpp"
 
 namespace cleave::cli::test {
 
@@ -39,21 +34,14 @@ class ResumeTest : public ProgramTest {
   /// Starts the program in the folder and interrupts it as soon as it works.
   [[nodiscard]] int interrupted(const std::string& scene_file, const std::string& out, int yields,
                                 std::chrono::microseconds later = {}) const {
-    const std::string from = path(scene_file).string(), to = path(out).string();
-    std::array<std::string, 6> words{"cleave", "run", from, "-o", to, "--quiet"};
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
     const std::size_t before = names().size();
-    pid_t child = 0;
-    EXPECT_EQ(::posix_spawn(&child, CLEAVE_PROGRAM, nullptr, nullptr, arguments.data(), environ), 0);
-    while (names().size() <= before && ::waitpid(child, nullptr, WNOHANG) == 0) ::sched_yield();
-    for (int k = 0; k < yields; ++k) ::sched_yield();
-    std::this_thread::sleep_for(later);
-    EXPECT_EQ(::kill(child, SIGINT), 0);
-    int status = 0;
-    EXPECT_EQ(::waitpid(child, &status, 0), child);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    const auto works = [&] {
+      if (names().size() <= before) return false;
+      for (int k = 0; k < yields; ++k) ::sched_yield();
+      std::this_thread::sleep_for(later);
+      return true;
+    };
+    return signalled(folder(), {"run", scene_file, "-o", out, "--quiet"}, SIGINT, works).code;
   }
 };
 
