@@ -11,6 +11,7 @@
 
 #include "cleave/dfn/sample.hpp"
 #include "networks.hpp"
+#include "sanitized.hpp"
 
 // What is drawn for a trace is compared with integrals of the laws over all joints that leave it, at 4.5 standard
 // errors; what a joint shows on a face with closed forms and with points along the trace. Seeds are fixed.
@@ -23,6 +24,9 @@ using geometry::Polygon;
 using geometry::Vec3;
 using networks::Mean;
 using networks::pi;
+
+/// Draws of a mean; the bounds follow from how many there are.
+constexpr std::uint64_t many = support::sanitized ? 250 : 2000;
 
 Polygon polygon(std::vector<Vec3> corners) { return Polygon::make(std::move(corners)).value(); }
 /// A square face of this half side in the plane z = height.
@@ -224,7 +228,7 @@ Mapping one_trace(double length, bool first_goes_on, bool last_goes_on) {
 }
 Mean drawn_diameters(const JointSet& set, const Mapping& mapping) {
   Mean mean;
-  for (std::uint64_t k = 0; k < 2000; ++k) mean.add(size_of(drawn(set, mapping, k).front().joint));
+  for (std::uint64_t k = 0; k < many; ++k) mean.add(size_of(drawn(set, mapping, k).front().joint));
   return mean;
 }
 
@@ -261,11 +265,11 @@ TEST(MappedTest, SizesFollowTheLawGivenAPick) {
   EXPECT_MEAN(mean, mean_diameter(2, 8, [](double d) { return d * d; }));
   // The hole shows joints by the cosine of the angle between it and their normals: E cos = 2/3 for all directions.
   Mean cosine;
-  for (std::uint64_t k = 0; k < 2000; ++k) cosine.add(std::abs(drawn(set, mapping, k).front().joint.normal.z));
+  for (std::uint64_t k = 0; k < many; ++k) cosine.add(std::abs(drawn(set, mapping, k).front().joint.normal.z));
   EXPECT_MEAN(cosine, 2.0 / 3);
   // Even over the disc: mean square of the distance from its centre half that of its rim.
   Mean distance;
-  for (std::uint64_t k = 0; k < 2000; ++k) {
+  for (std::uint64_t k = 0; k < many; ++k) {
     const SampledJoint joint = drawn(set, mapping, k).front().joint;
     const Vec3 off = joint.centre - Vec3{0, 0, 0.25};
     EXPECT_NEAR(dot(off, joint.normal), 0, 1e-9);
@@ -281,7 +285,7 @@ TEST(MappedTest, OrientationsFollowTheLawGivenATrace) {
   const JointSet set = discs(even(4.5, 8));
   const Mapping mapping = one_trace(4, false, false);
   Mean square;
-  for (std::uint64_t k = 0; k < 2000; ++k) {
+  for (std::uint64_t k = 0; k < many; ++k) {
     const Vec3 normal = drawn(set, mapping, k).front().joint.normal;
     EXPECT_NEAR(normal.x, 0, 1e-12);  // it holds the trace
     square.add(normal.z * normal.z);
@@ -292,7 +296,7 @@ TEST(MappedTest, OrientationsFollowTheLawGivenATrace) {
 TEST(MappedTest, TheJointLiesWhereTheTraceIs) {
   const Mapping mapping = one_trace(4, false, false);
   Mean left;
-  for (std::uint64_t k = 0; k < 2000; ++k) {
+  for (std::uint64_t k = 0; k < many; ++k) {
     const SampledJoint joint = drawn(discs(even(2, 8)), mapping, k).front().joint;
     EXPECT_NEAR(dot(joint.centre, joint.normal), 0, 1e-9);
     EXPECT_NEAR(joint.centre.x, 0, 0.011);
