@@ -145,7 +145,6 @@ TEST(FlowWaterScene, WhatCannotBeIsSaid) {
   EXPECT_TRUE(wrong("water = { flow = true }", "[flow]\n").contains("no water flows there"));
   EXPECT_TRUE(wrong("water = { flow = true, table = 3 }", flow).contains("stands beside flow = true"));
   EXPECT_TRUE(wrong("water = { flow = true, free_faces = true }", flow).contains("stands beside flow = true"));
-  EXPECT_TRUE(wrong("water = { flow = true }", flow + "[monte_carlo]\nrealizations = 4\n").contains("ensembles"));
   EXPECT_TRUE(wrong("gravity = [1, 0, -9.81]\nwater = { flow = true }", flow).contains("straight down"));
   EXPECT_TRUE(wrong("water = { table = 3 }", flow + "[[load]]\nname = \"a\"\nwater = { flow = true }\n" +
                                                  "[[load]]\nname = \"b\"\nwater = { table = 2 }\n"

@@ -696,6 +696,72 @@ TEST(EnsembleTest, PartsOfOpeningsHaveFigures) {
   }
 }
 
+// Joints that hang together and water in them: only where they are asked for.
+TEST(EnsembleTest, JointsThatHangTogetherHaveFigures) {
+  EnsembleOptions asked = options(), dry = options();
+  asked.flow = asked.water = dry.flow = true;
+  asked.sides = dry.sides = {"west", "east", "top"};
+  Ensemble with{asked}, without{dry}, plain{options()};
+  for (std::uint64_t k = 0; k < 20; ++k) {
+    Record r = record(k, {1});
+    r.flow = FlowTally{.clusters = k, .largest_share = 0.5, .opening_share = 1, .backbone_share = k < 5 ? 0.25 : 0.0};
+    if (k < 4) r.flow->connected.push_back(pair_of_sides(0, 1));
+    if (k < 1) r.flow->connected.push_back(pair_of_sides(1, 2));
+    const double inflow = k < 5 ? 1e-6 * static_cast<double>(k) : 0;
+    r.flow->water = WaterTally{.inflow = FlowRate::from_si(inflow),
+                               .low = FlowRate::from_si(0.9 * inflow),
+                               .high = FlowRate::from_si(1.2 * inflow),
+                               .wet_share = 0.75,
+                               .settled = k != 7};
+    for (Ensemble* e : {&with, &without, &plain}) e->add(r, "");
+  }
+  const Figures f = with.figures();
+  EXPECT_DOUBLE_EQ(find(f, "cluster_count").mean, 9.5);
+  EXPECT_DOUBLE_EQ(find(f, "largest_cluster_share").mean, 0.5);
+  EXPECT_DOUBLE_EQ(find(f, "opening_share").mean, 1);
+  EXPECT_EQ(find(f, "opening_share").high, 1) << "a share is no more";
+  EXPECT_DOUBLE_EQ(find(f, "backbone_share").mean, 0.0625);
+  EXPECT_DOUBLE_EQ(find(f, "probability_of_connection").mean, 0.25);
+  EXPECT_NEAR(find(f, "inflow_m3_s").mean, 0.5e-6, 1e-20);
+  EXPECT_NEAR(find(f, "inflow_low_m3_s").mean, 0.45e-6, 1e-20);
+  EXPECT_NEAR(find(f, "inflow_high_m3_s").mean, 0.6e-6, 1e-20);
+  EXPECT_DOUBLE_EQ(find(f, "probability_of_inflow").mean, 0.2) << "of five that are connected one has no rate";
+  EXPECT_DOUBLE_EQ(find(f, "wet_share").mean, 0.75);
+  EXPECT_DOUBLE_EQ(find(f, "inflow_not_settled").mean, 0.05);
+  ASSERT_EQ(f.percolation.size(), 3U);
+  const Interval four = clopper_pearson(4, 20, 0.95), none = clopper_pearson(0, 20, 0.95);
+  EXPECT_EQ(f.percolation[0].from + f.percolation[0].to, "westeast");
+  EXPECT_DOUBLE_EQ(f.percolation[0].probability, 0.2);
+  EXPECT_DOUBLE_EQ(f.percolation[0].interval.low, four.low);
+  EXPECT_DOUBLE_EQ(f.percolation[0].interval.high, four.high);
+  EXPECT_EQ(f.percolation[1].from + f.percolation[1].to, "westtop");
+  EXPECT_EQ(f.percolation[1].probability, 0);
+  EXPECT_DOUBLE_EQ(f.percolation[1].interval.high, none.high);
+  EXPECT_DOUBLE_EQ(f.percolation[2].probability, 0.05);
+  for (const Estimate& e : without.figures().estimates) EXPECT_FALSE(e.name.contains("inflow")) << e.name;
+  EXPECT_EQ(without.figures().percolation.size(), 3U);
+  for (const Estimate& e : plain.figures().estimates) EXPECT_FALSE(e.name.contains("cluster")) << e.name;
+  EXPECT_TRUE(plain.figures().percolation.empty());
+}
+
+// Of many sides only the pairs that some realization connects; a mean share that was never seen has an upper end.
+TEST(EnsembleTest, OfManySidesThePairsThatAreConnected) {
+  EnsembleOptions asked = options();
+  asked.flow = true;
+  for (int k = 0; k < 9; ++k) asked.sides.push_back(std::to_string(k));
+  Ensemble ensemble{asked};
+  for (std::uint64_t k = 0; k < 10; ++k) {
+    Record r = record(k, {1});
+    r.flow = FlowTally{.clusters = 1, .connected = {pair_of_sides(3, 8)}};
+    ensemble.add(r, "");
+  }
+  const Figures f = ensemble.figures();
+  ASSERT_EQ(f.percolation.size(), 1U);
+  EXPECT_EQ(f.percolation[0].from + f.percolation[0].to, "38");
+  EXPECT_EQ(f.percolation[0].probability, 1);
+  EXPECT_DOUBLE_EQ(find(f, "backbone_share").high, clopper_pearson(0, 10, 0.95).high);
+}
+
 // What could not be decided is a figure: it counts as stable otherwise.
 TEST(EnsembleTest, KeyGroupsAreFiguresWhereTheyDecide) {
   EnsembleOptions deciding = options();

@@ -67,6 +67,12 @@ Record example(std::uint64_t k) {
     r.support->pressures = {pascals(1e3 * rng.uniform()), {}, pascals(7e-300), pascals(2e6)};
     r.at_parts = {{k, cubic_metres(rng.uniform())}, {}, {1, cubic_metres(0.5)}, {}};
   }
+  if (k % 4 == 1) {
+    r.flow = FlowTally{k, rng.uniform(), rng.uniform(), rng.uniform(), {2, 5, 4949}};
+    if (k % 8 == 1)
+      r.flow->water = WaterTally{
+          FlowRate::from_si(1e-7 * rng.uniform()), {}, FlowRate::from_si(3e-300), rng.uniform(), k % 16 == 1};
+  }
   if (k % 7 == 2)
     r.cases = {{k, cubic_metres(2), cubic_metres(0.1), newtons(3e-300), r.support, r.groups, r.border, r.tapered,
                 r.at_parts, k},

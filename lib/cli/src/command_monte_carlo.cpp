@@ -174,8 +174,7 @@ ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& ar
                    stderr);
       },
       "interrupted");
-  const std::string quantity =
-      scene.stability ? ensemble_options_of(scene).running_quantity : std::string{"block_count"};
+  const std::string quantity = ensemble_options_of(scene).running_quantity;
   progress.begin("monte_carlo", settings.realizations / arguments.shard.of);
   std::uint64_t shown = 0;
   const scene::MonteCarloWatch watch{[&](const stochastic::Ensemble& ensemble, std::uint64_t done, std::uint64_t) {

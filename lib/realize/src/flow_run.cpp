@@ -26,6 +26,15 @@ double FlowResult::share_of_backbone() const {
   return connectivity.area.si() > 0 ? sum / connectivity.area.si() : 0;
 }
 
+std::string note_on_flow(const Scene& scene) {
+  std::string note =
+      "[flow]: joints are taken as full of water, above the water table too, and the rock between them as tight";
+  if (!acts_on_blocks(scene)) {
+    note += "; the water pressures of [flow] do not act on blocks: with stability.water = { flow = true } they do";
+  }
+  return note;
+}
+
 namespace {
 
 using flow::RockSurface;
@@ -68,6 +77,8 @@ class FlowRun {
     find_conditions();
     for (const auto& [a, b] : out_.connectivity.percolates) {
       out_.percolates.push_back({out_.surfaces[a].name, out_.surfaces[b].name});
+      const auto tags = std::minmax(surfaces_.surfaces[a].tag, surfaces_.surfaces[b].tag);
+      if (tags.first && tags.first != tags.second) out_.percolating_tags.emplace_back(*tags.first, *tags.second);
     }
     if (settings_.flows()) CLEAVE_CHECK(send_water());
     find_joints();
@@ -176,11 +187,7 @@ class FlowRun {
     if (f.area > Area{} && !(f.wet_area > Area{})) {
       out_.notes.emplace_back("[flow]: no joint reaches standing water, so no water flows");
     }
-    out_.notes.emplace_back(std::string{"[flow]: joints are taken as full of water, above the water table too, and the "
-                                        "rock between them as tight"} +
-                            (acts_on_blocks(scene_) ? ""
-                                                    : "; the water pressures of [flow] do not act on blocks: with "
-                                                      "stability.water = { flow = true } they do"));
+    out_.notes.push_back(note_on_flow(scene_));
   }
 
   void find_joints() {

@@ -100,8 +100,16 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
   }
   for (const NamedSet& set : scene.sets) options.sets.push_back(set.name);
   for (const ScanLine& line : scene.lines) options.lines.push_back(line.name);
+  if (scene.flow) {
+    options.flow = true;
+    options.water = scene.flow->flows();
+    options.sides.assign(scene.domain.tags().begin(), scene.domain.tags().end());
+  }
   options.undisturbed = questions.undisturbed.has_value();
   if (scene.monte_carlo && scene.monte_carlo->stop) options.running_quantity = scene.monte_carlo->stop->quantity;
+  if (!options.stability && stochastic::quantity_named(options.running_quantity)->stability) {
+    options.running_quantity = "block_count";
+  }
   return options;
 }
 
@@ -214,6 +222,25 @@ std::vector<stochastic::CaseTally> tally_cases(const Realization& made, const Sc
   return tallies;
 }
 
+stochastic::FlowTally tally_flow(const FlowResult& found) {
+  const flow::Connectivity& c = found.connectivity;
+  stochastic::FlowTally tally{.clusters = c.clusters.size(),
+                              .opening_share = found.share_at_openings(),
+                              .backbone_share = found.share_of_backbone()};
+  if (!c.clusters.empty() && c.area > Area{}) tally.largest_share = c.clusters.front().area / c.area;
+  for (const auto& [a, b] : found.percolating_tags) tally.connected.push_back(stochastic::pair_of_sides(a, b));
+  std::ranges::sort(tally.connected);
+  tally.connected.erase(std::ranges::unique(tally.connected).begin(), tally.connected.end());
+  if (!found.flow) return tally;
+  const flow::Flow& f = *found.flow;
+  tally.water = stochastic::WaterTally{.inflow = FlowRate::from_si(f.drained.value),
+                                       .low = FlowRate::from_si(f.drained.low),
+                                       .high = FlowRate::from_si(f.drained.high),
+                                       .wet_share = f.area > Area{} ? f.wet_area / f.area : 0.0,
+                                       .settled = f.status == flow::FlowStatus::converged};
+  return tally;
+}
+
 std::vector<stochastic::SetTally> tally_sets(const SampledScene& made) {
   std::vector<SetId> set_of;
   std::vector<std::string> names;
@@ -253,6 +280,7 @@ Record record_of(std::uint64_t k, const Realization& made, const Scene& scene, c
   if (questions.groups && made.key_groups) record.groups = tally_groups(*made.key_groups);
   if (made.analysis) record.tapered = tally_tapered(made.tapered, made.key_groups, questions);
   record.cases = tally_cases(made, scene, questions);
+  if (made.flow) record.flow = tally_flow(*made.flow);
   if (made.field_stress) {
     record.clamped = {.held = made.field_stress->held,
                       .undecided = made.field_stress->undecided,

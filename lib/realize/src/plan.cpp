@@ -202,9 +202,7 @@ Decision decide(const Scene& scene, Step step) {
     case Step::contact:
       if (!scene.motion || !scene.monte_carlo) return decide_motion(scene);
       return {false, "not in ensembles; cleave replay shows one realization"};
-    case Step::flow:
-      if (!scene.flow || !scene.monte_carlo) return decide_flow(scene);
-      return {false, "not in ensembles; cleave replay shows one realization"};
+    case Step::flow: return decide_flow(scene);
     case Step::write:
       return {true,
               scene.monte_carlo ? "summary.json, log.txt, realizations.csv, copies of the scene" : why_write(scene)};
@@ -229,8 +227,8 @@ Plan make_plan(const Scene& scene) {
 Plan plan_of_realization(const Scene& scene) {
   Plan plan = make_plan(scene);
   for (PlannedStep& planned : plan.steps) {
-    if (planned.step != Step::contact && planned.step != Step::flow) continue;
-    auto [run, why] = planned.step == Step::contact ? decide_motion(scene) : decide_flow(scene);
+    if (planned.step != Step::contact) continue;
+    auto [run, why] = decide_motion(scene);
     planned.run = run;
     planned.why = std::move(why);
   }

@@ -81,7 +81,7 @@ Realizer::Done Realizer::step(Step which) {
       if (!made_.analysis || !scene_->motion || detail_ != Detail::shown) return {};
       return booked(which, [&] { return move(); });
     case Step::flow:
-      if (!made_.complex || detail_ != Detail::shown) return {};
+      if (!made_.complex) return {};
       return booked(which, [&] { return send_water(); });
     case Step::read:
     case Step::monte_carlo:
@@ -108,7 +108,7 @@ Realizer::Done Realizer::fits_memory() const {
 
 Realizer::Done Realizer::cut() {
   CLEAVE_CHECK(fits_memory());
-  made_.input.keep_network = scene_->flow.has_value() && detail_ == Detail::shown;
+  made_.input.keep_network = scene_->flow.has_value();
   auto cut = [&]() -> std::expected<topology::BlockComplex, topology::CutError> {
     if (!scene_->sequence) return topology::cut(made_.input, {.threads = options_.threads});
     CLEAVE_TRY(in_stages_, topology::SequentialCut::make(made_.input, {.threads = options_.threads}));

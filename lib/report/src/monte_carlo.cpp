@@ -34,6 +34,28 @@ void add_lifted_notes(const scene::Scene& scene, stochastic::Figures& figures) {
   }
 }
 
+void add_flow_notes(const scene::Scene& scene, stochastic::Figures& figures) {
+  if (!scene.flow) return;
+  if (scene.flow->flows()) {
+    figures.notes.push_back(note_on_flow(scene));
+    figures.notes.emplace_back(
+        "[flow]: faces of the domain that an opening cuts below the water are closed; a replay of a realization names "
+        "them");
+  }
+  for (const auto& estimate : figures.estimates) {
+    if (estimate.name != "inflow_not_settled" || !(estimate.mean > 0)) continue;
+    figures.notes.push_back(fmt::format(
+        "[flow]: in {:.3g} % of the realizations the inflow is not known to the tolerance asked for: compare the means "
+        "of inflow_low_m3_s and inflow_high_m3_s, and raise flow.max_triangles",
+        100 * estimate.mean));
+  }
+  if (scene.domain.tags().size() > stochastic::most_sides) {
+    figures.notes.push_back(fmt::format(
+        "[flow]: the domain has more than {} sides: which of them joints connect is not counted; a replay says it",
+        stochastic::most_sides));
+  }
+}
+
 }  // namespace
 
 MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost& cost, scene::MonteCarloResult result) {
@@ -88,6 +110,7 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
         estimate.mean));
   }
   add_lifted_notes(scene, page.result.figures);
+  add_flow_notes(scene, page.result.figures);
   std::ranges::move(notes_on_lines(scene), std::back_inserter(page.result.figures.notes));
   for (const scene::Problem& note : scene.notes) page.notes.push_back(describe(note));
   if (scene.monte_carlo && scene.monte_carlo->stop) page.stop_quantity = scene.monte_carlo->stop->quantity;

@@ -36,6 +36,7 @@ std::string words(std::string name) {
   std::ranges::replace(name, '_', ' ');
   for (const auto& [end, unit] : {std::pair<std::string_view, std::string_view>{" m3 per metre", ", m³ per metre"},
                                   {" n per metre", ", N per metre"},
+                                  {" m3 s", ", m³/s"},
                                   {" m3", ", m³"},
                                   {" pa", ", Pa"},
                                   {" n", ", N"}}) {
@@ -62,6 +63,7 @@ std::string cards(const MonteCarloPage& page) {
   add("Key blocks", "key_block_count", "");
   add("First batch", "first_batch_volume_m3", " m³");
   add("Blocks", "block_count", "");
+  add("Inflow", "inflow_m3_s", " m³/s");
   out += detail::notes_figure(f.notes.size() + page.notes.size());
   if (f.failures > 0) {
     out += detail::key_figure("Failed", display_count(f.failures), "realizations, left out of the figures", "bad");
@@ -480,6 +482,7 @@ std::string monte_carlo_html(const MonteCarloPage& page) {
   out += detail::block_size_tables(f);
   out += detail::sets_table(f);
   out += detail::lines_table(f);
+  out += detail::percolation_table(f);
   out += probability_table(f);
   out += pressure_table(f);
   out += parts_table(f);

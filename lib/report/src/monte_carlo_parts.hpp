@@ -21,5 +21,6 @@ inline std::string interval(double low, double high) {
 [[nodiscard]] std::string block_size_tables(const stochastic::Figures& f);
 [[nodiscard]] std::string sets_table(const stochastic::Figures& f);
 [[nodiscard]] std::string lines_table(const stochastic::Figures& f);
+[[nodiscard]] std::string percolation_table(const stochastic::Figures& f);
 
 }  // namespace cleave::report::detail

@@ -108,4 +108,21 @@ std::string lines_table(const Figures& f) {
          "</section>\n";
 }
 
+std::string percolation_table(const Figures& f) {
+  if (f.percolation.empty()) return {};
+  const auto row = [](auto& v, const stochastic::Percolation& pair) {
+    v("from", pair.from);
+    v("to", pair.to);
+    v("share",
+      Html{percent(pair.probability) + " [" + percent(pair.interval.low) + " … " + percent(pair.interval.high) + "]"});
+  };
+  return "<section id=\"percolation\"><h2>Joints from side to side</h2>\n<p class=\"small\">Share of the realizations "
+         "in which joints that hang together reach both sides of the domain.</p>\n" +
+         html_table({{.name = "from", .heading = "From", .kind = "wide"},
+                     {.name = "to", .heading = "To", .kind = "wide"},
+                     {"share", "Share of the realizations"}},
+                    each(f.percolation, row)) +
+         "</section>\n";
+}
+
 }  // namespace cleave::report::detail

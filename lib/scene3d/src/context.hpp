@@ -87,7 +87,7 @@ struct StatedLoads {
                                                      const std::optional<geometry::Solid>& domain);
 /// Refuses water of [flow] in loads where none is found.
 void check_flow_water(const Context& context, const std::optional<StabilitySettings>& stability,
-                      const std::optional<FlowSettings>& flow, bool stages, bool ensemble);
+                      const std::optional<FlowSettings>& flow, bool stages);
 /// [mapped]; after the joint sets and the excavations.
 [[nodiscard]] std::optional<MappedSettings> parse_mapped(Context& context, const TableReader& root,
                                                          const std::vector<RandomSet>& joint_sets,

@@ -221,21 +221,34 @@ bool is_scene(const TomlTable& tree, const std::string& shown, Problems& problem
   return true;
 }
 
-/// What a run stops by is counted in it.
-void check_stop(const TableReader& root, const stochastic::Stop& stop, bool judged, bool only_key_blocks, bool opened) {
+/// What a scene has that a quantity may be of.
+struct Counted {
+  bool judged, only_key_blocks, opened, supported, in_groups, stressed, joined, flows;
+};
+
+/// What a run stops by is counted in it: else it would never stop by it.
+void check_stop(const TableReader& root, const stochastic::Stop& stop, const Counted& in) {
   const auto* quantity = stochastic::quantity_named(stop.quantity);
-  if (quantity->stability && !judged) {
-    root.problems().error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
-                          "asks for key blocks, but nothing is free",
-                          "add an excavation or stability.free, or take block_count");
-  } else if (quantity->openings && !opened) {
-    root.problems().error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
-                          "is over the area of excavations, and there are none",
-                          "add an excavation, or take support_force");
+  const auto refuse = [&](const char* what, const char* remedy) {
+    root.problems().error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity", what, remedy);
+  };
+  if (quantity->stability && !in.judged) {
+    refuse("asks for key blocks, but nothing is free", "add an excavation or stability.free, or take block_count");
+  } else if (quantity->openings && !in.opened) {
+    refuse("is over the area of excavations, and there are none", "add an excavation, or take support_force");
+  } else if (quantity->support && !in.supported) {
+    refuse("is of a support design, and there is none", "add [support], or take key_block_volume");
+  } else if (quantity->groups && !in.in_groups) {
+    refuse("is of blocks judged together, which do not decide here", "set stability.groups = \"decide\"");
+  } else if (quantity->clamped && !in.stressed) {
+    refuse("is of the stress across joints, and none is given", "add [field_stress], or take key_block_volume");
+  } else if (quantity->flow && !in.joined) {
+    refuse("is of joints that hang together, which are not looked for", "add [flow]");
+  } else if (quantity->water && !in.flows) {
+    refuse("is of water in joints, and none stands anywhere", "give flow.level");
   }
-  if (quantity->whole_system && only_key_blocks && judged) {
-    root.problems().error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
-                          "counts all blocks, but only key blocks are cut", "set output.blocks = \"all\"");
+  if (quantity->whole_system && in.only_key_blocks && in.judged) {
+    refuse("counts all blocks, but only key blocks are cut", "set output.blocks = \"all\"");
   }
 }
 
@@ -294,9 +307,18 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
     output.only_key_blocks = false;
   }
   std::optional<MonteCarloSettings> monte_carlo = parse_monte_carlo(root);
-  check_flow_water(context, stability.settings, flow, sequence.has_value(), monte_carlo.has_value());
+  check_flow_water(context, stability.settings, flow, sequence.has_value());
   if (monte_carlo && monte_carlo->stop) {
-    check_stop(root, *monte_carlo->stop, stability.settings.has_value(), output.only_key_blocks, !excavations.empty());
+    const bool judged = stability.settings.has_value();
+    check_stop(root, *monte_carlo->stop,
+               {.judged = judged,
+                .only_key_blocks = output.only_key_blocks,
+                .opened = !excavations.empty(),
+                .supported = support.has_value(),
+                .in_groups = judged && stability.settings->decides_by_groups(),
+                .stressed = field_stress.has_value(),
+                .joined = flow.has_value(),
+                .flows = flow && flow->flows()});
   }
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
 

@@ -81,7 +81,7 @@ std::optional<FlowSettings> parse_flow(const TableReader& root, const Context& c
 }
 
 void check_flow_water(const Context& context, const std::optional<StabilitySettings>& stability,
-                      const std::optional<FlowSettings>& flow, bool stages, bool ensemble) {
+                      const std::optional<FlowSettings>& flow, bool stages) {
   if (!stability) return;
   const auto check = [&](const LoadSet& loads) {
     if (!loads.flow) return;
@@ -94,9 +94,6 @@ void check_flow_water(const Context& context, const std::optional<StabilitySetti
     } else if (stages) {
       refuse("asks for pressures of [flow], which are found for the final state, not for stages of excavation",
              "give water a table, or judge the final state alone: one stage");
-    } else if (ensemble) {
-      refuse("asks for pressures of [flow], which does not run in ensembles",
-             "give water a table, or run one realization");
     }
   };
   check(stability->loads);

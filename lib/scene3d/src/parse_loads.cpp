@@ -32,7 +32,7 @@ const KeyTable& water_keys() {
           {"table", number_or_law<rule::coordinate>(), "",
            "level of the water table, m; a law: one level a realization (a single run has that of realization 0)"},
           {"flow", key::flag(), "false",
-           "true: the pressures that [flow] finds in the joints, in place of a table; single runs without stages"},
+           "true: the pressures that [flow] finds in the joints, in place of a table; in runs without stages"},
           {"unit_weight", key::number(weight_rule), "9810", "N/m3"},
           {"free_faces", key::flag(), "false", "true: water also presses on free faces (a lake, a flooded opening)"},
           {"pressures", key::named(key::number(joint_pressure_rule)), "",

@@ -47,9 +47,9 @@ Ensemble::Ensemble(EnsembleOptions options)
       factors_below_(factor_bins - 1),
       with_factor_below_(factor_bins - 1),
       pressing_(pressures_pa().size()),
-      pressing_blocks_(pressures_pa().size()) {
+      pressing_blocks_(pressures_pa().size()),
+      connected_(options_.flow && options_.sides.size() <= most_sides ? pair_of_sides(0, options_.sides.size()) : 0) {
   CLEAVE_ASSERT(options_.strengths_per_geometry >= 1);
-  if (!options_.stability) options_.running_quantity = "block_count";
   const Quantity* running = quantity_named(options_.running_quantity);
   CLEAVE_ASSERT(running != nullptr);
   running_index_ = static_cast<std::size_t>(running - quantities().data());
@@ -83,6 +83,9 @@ std::vector<double> Ensemble::numbers_of(const Record& record) const {
     numbers.push_back(ratio.bottom(record));
   }
   block_sizes_.add_numbers(record, numbers);
+  for (std::size_t pair = 0; pair < connected_.size(); ++pair) {
+    numbers.push_back(record.flow && std::ranges::binary_search(record.flow->connected, pair) ? 1 : 0);
+  }
   if (!options_.stability) return numbers;
   numbers.push_back(record.all.count > 0 ? record.all.volume_m3 / number(record.all.count) : 0);
   numbers.push_back(record.all.count > 0 ? 1 : 0);
@@ -192,6 +195,7 @@ void Ensemble::add_unit(const std::vector<double>& sums) {
     next_running_ = std::max(units_ + 1, static_cast<std::uint64_t>(std::ceil(number(units_) * 1.08)));
   }
   block_sizes_.add_unit(sums, next, m);
+  for (Moments& pair : connected_) pair.add(take() / m);
   if (!options_.stability) return;
   const double mean_volumes = take(), with_key_blocks = take();
   if (with_key_blocks > 0) {

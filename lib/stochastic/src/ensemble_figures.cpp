@@ -20,6 +20,9 @@ constexpr std::uint32_t resamples = 2000;
 constexpr double widening = 0.5;
 constexpr double skewed = 0.2;
 
+/// Of a realization, between 0 and 1.
+bool is_share(std::string_view name) { return name.ends_with("_share"); }
+
 double lean(double skewness, std::uint64_t n) { return std::abs(skewness) / std::sqrt(number(n)); }
 
 std::vector<SizePoint> size_points(const std::vector<PairMoments>& below) {
@@ -63,7 +66,7 @@ Estimate Ensemble::estimate(std::string name, const Moments& m, const Tail& tail
   if (m.count() > 0 && m.smallest() == 0 && m.largest() == 0) {
     const double met = clopper_pearson(0, std::max<std::uint64_t>(units_, 1), options_.confidence).high;
     const bool of_blocks = e.name.ends_with("_m3") && options_.rock;
-    e.high = of_blocks ? met * options_.rock->si() : std::numeric_limits<double>::infinity();
+    e.high = is_share(e.name) ? met : of_blocks ? met * options_.rock->si() : std::numeric_limits<double>::infinity();
   }
   return e;
 }
@@ -79,6 +82,7 @@ Estimate Ensemble::difference(std::string name, const Moments& moments) const {
 }
 
 double Ensemble::upper_end(std::string_view name, double mean, double high) const {
+  if (is_share(name)) return std::max(mean, std::min(high, 1.0));
   const bool of_blocks = name.ends_with("_m3");
   return of_blocks && options_.rock ? std::max(mean, std::min(high, options_.rock->si())) : high;
 }
@@ -403,6 +407,18 @@ void Ensemble::add_pressures(Figures& figures) const {
   }
 }
 
+void Ensemble::add_percolation(Figures& figures) const {
+  if (units_ == 0) return;
+  const std::vector<std::string>& sides = options_.sides;
+  for (std::size_t b = 1; b < sides.size() && !connected_.empty(); ++b) {
+    for (std::size_t a = 0; a < b; ++a) {
+      const Moments& hits = connected_[pair_of_sides(a, b)];
+      if (sides.size() > sides_in_full && !(hits.mean() > 0)) continue;
+      figures.percolation.push_back({sides[a], sides[b], probability_of(hits), probability_interval(hits)});
+    }
+  }
+}
+
 Figures Ensemble::figures() const {
   Figures figures{.realizations = counted_,
                   .confidence = options_.confidence,
@@ -440,6 +456,7 @@ Figures Ensemble::figures() const {
   add_border(figures);
   add_factors(figures);
   add_pressures(figures);
+  add_percolation(figures);
   add_notes(figures);
   return figures;
 }

@@ -45,6 +45,16 @@ template <Part part>
 double pressure_at(const Record& r) {
   return r.support ? r.support->pressures[std::to_underlying(part)].si() : 0;
 }
+Quantity of_joints(Quantity quantity) {
+  quantity.flow = true;
+  return quantity;
+}
+Quantity of_water(Quantity quantity) {
+  quantity.water = true;
+  return of_joints(quantity);
+}
+FlowTally flow_of(const Record& r) { return r.flow.value_or(FlowTally{}); }
+WaterTally water_of(const Record& r) { return flow_of(r).water.value_or(WaterTally{}); }
 /// Key blocks that move away from all their joints against gravity.
 double lifted_count(const Record& r) { return number(r.all.modes[std::to_underlying(stability::Mode::lifting)]); }
 double clamped_volume(const Record& r) { return r.clamped ? r.all.volume_m3 - r.clamped->held_volume.si() : 0; }
@@ -56,6 +66,8 @@ bool Quantity::asked_in(const Record& record) const noexcept {
   if (clamped && !record.clamped) return false;
   if (at_parts && record.at_parts.empty()) return false;
   if (openings && !(record.free_m2 > 0)) return false;
+  if (flow && !record.flow) return false;
+  if (water && !(record.flow && record.flow->water)) return false;
   if (support) return record.support && (!groups || record.support->groups);
   return !groups || record.groups.has_value();
 }
@@ -169,12 +181,34 @@ const std::vector<Quantity>& group_quantities() {
   return all;
 }
 
+/// Of joints that hang together, and of the water in them.
+const std::vector<Quantity>& flow_quantities() {
+  static const std::vector<Quantity> all{
+      of_joints({"cluster_count", [](const Record& r) { return number(flow_of(r).clusters); }, false, false, true}),
+      of_joints(
+          {"largest_cluster_share", [](const Record& r) { return flow_of(r).largest_share; }, false, false, true}),
+      of_joints({"opening_share", [](const Record& r) { return flow_of(r).opening_share; }, false, false, true}),
+      of_joints({"backbone_share", [](const Record& r) { return flow_of(r).backbone_share; }, false, false, true}),
+      of_joints({"probability_of_connection", [](const Record& r) { return flow_of(r).backbone_share > 0 ? 1.0 : 0.0; },
+                 false, false, false, false, true}),
+      of_water({"inflow_m3_s", [](const Record& r) { return water_of(r).inflow.si(); }, false, false, true}),
+      of_water({"inflow_low_m3_s", [](const Record& r) { return water_of(r).low.si(); }, false, false, false}),
+      of_water({"inflow_high_m3_s", [](const Record& r) { return water_of(r).high.si(); }, false, false, false}),
+      of_water({"probability_of_inflow", [](const Record& r) { return water_of(r).inflow > FlowRate{} ? 1.0 : 0.0; },
+                false, false, false, false, true}),
+      of_water({"wet_share", [](const Record& r) { return water_of(r).wet_share; }, false, false, true}),
+      of_water({"inflow_not_settled", [](const Record& r) { return water_of(r).settled ? 0.0 : 1.0; }, false, false,
+                false, false, true}),
+  };
+  return all;
+}
+
 }  // namespace
 
 const std::vector<Quantity>& quantities() {
   static const std::vector<Quantity> all = [] {
     std::vector<Quantity> list;
-    for (const auto* part : {&block_quantities(), &support_quantities(), &group_quantities()}) {
+    for (const auto* part : {&block_quantities(), &support_quantities(), &group_quantities(), &flow_quantities()}) {
       list.insert(list.end(), part->begin(), part->end());
     }
     return list;
@@ -193,7 +227,7 @@ const Quantity* quantity_named(std::string_view word) {
     if (q.name == word) return &q;
   }
   for (const Quantity& q : quantities()) {
-    for (const std::string_view unit : {"_m3", "_n", "_pa"}) {
+    for (const std::string_view unit : {"_m3_s", "_m3", "_n", "_pa"}) {
       if (q.name.ends_with(unit) && q.name.substr(0, q.name.size() - unit.size()) == word) return &q;
     }
   }

@@ -237,6 +237,19 @@ std::vector<double> numbers_of(const std::vector<LineTally>& lines) {
   return numbers;
 }
 
+std::vector<double> numbers_of(const std::optional<FlowTally>& f) {
+  if (!f) return {};
+  std::vector<double> numbers{static_cast<double>(f->clusters), f->largest_share, f->opening_share, f->backbone_share,
+                              f->water ? 1.0 : 0.0};
+  if (f->water) {
+    const WaterTally& w = *f->water;
+    for (const double x : {w.inflow.si(), w.low.si(), w.high.si(), w.wet_share, w.settled ? 1.0 : 0.0})
+      numbers.push_back(x);
+  }
+  for (const std::uint64_t pair : f->connected) numbers.push_back(static_cast<double>(pair));
+  return numbers;
+}
+
 bool is_count(double x) { return x >= 0 && x < 0x1p53 && x == std::floor(x); }
 
 bool take(const std::vector<double>& n, std::optional<Supported>& support) {
@@ -342,6 +355,28 @@ bool take(const std::vector<double>& n, std::vector<LineTally>& lines) {
   }
   return true;
 }
+bool take(const std::vector<double>& n, std::optional<FlowTally>& flow) {
+  if (n.empty()) return true;
+  const auto is_flag = [](double x) { return x == 0 || x == 1; };
+  if (n.size() < 5 || !is_count(n[0]) || !is_flag(n[4])) return false;
+  FlowTally& f = flow.emplace();
+  f.clusters = static_cast<std::uint64_t>(n[0]);
+  f.largest_share = n[1];
+  f.opening_share = n[2];
+  f.backbone_share = n[3];
+  std::span<const double> rest = std::span{n}.subspan(5);
+  if (n[4] == 1) {
+    if (rest.size() < 5 || !is_flag(rest[4])) return false;
+    f.water = WaterTally{FlowRate::from_si(rest[0]), FlowRate::from_si(rest[1]), FlowRate::from_si(rest[2]), rest[3],
+                         rest[4] == 1};
+    rest = rest.subspan(5);
+  }
+  for (const double pair : rest) {
+    if (!is_count(pair)) return false;
+    f.connected.push_back(static_cast<std::uint64_t>(pair));
+  }
+  return true;
+}
 
 }  // namespace
 
@@ -365,7 +400,7 @@ std::string_view record_columns() noexcept {
          "first_count,first_volume_m3,first_largest_m3,first_support_n,first_support_transferred_n,first_falling,"
          "first_lifting,first_sliding,first_wedge,first_tetrahedral,first_pentahedral,first_hexahedral,first_higher,"
          "first_other,first_concave,first_sphericity_sum,first_sizes,above,chainage_m3,support,orders,groups,clamped,"
-         "border,whole,whole_bins,sets,lines,cases,tapered,at_parts,cases_lifting,crc32";
+         "border,whole,whole_bins,sets,lines,cases,tapered,at_parts,cases_lifting,flow,crc32";
 }
 
 std::string line_of(const Record& r) {
@@ -394,7 +429,7 @@ std::string line_of(const Record& r) {
   }
   const std::vector<double> whole = numbers_of(r.whole), sets = numbers_of(r.sets), lines = numbers_of(r.lines),
                             cases = numbers_of(r.cases), tapered = numbers_of(r.tapered),
-                            at_parts = numbers_of(r.at_parts);
+                            at_parts = numbers_of(r.at_parts), flow = numbers_of(r.flow);
   const std::vector<float> bins = bins_of(r.whole);
   w.list(std::span{whole});
   w.list(std::span{bins});
@@ -406,6 +441,7 @@ std::string line_of(const Record& r) {
   std::vector<std::uint64_t> lifting;
   for (const CaseTally& c : r.cases) lifting.push_back(c.lifting);
   w.list(std::span{std::as_const(lifting)});
+  w.list(std::span{flow});
   return std::move(w).finish();
 }
 
@@ -439,7 +475,7 @@ std::optional<Record> record_of(std::string_view line) {
   r.tally(record.first);
   r.list(record.above);
   r.list(record.chainage_m3);
-  std::vector<double> support, orders, groups, clamped, border, whole, sets, lines, cases, tapered, at_parts;
+  std::vector<double> support, orders, groups, clamped, border, whole, sets, lines, cases, tapered, at_parts, flow;
   std::vector<float> bins;
   std::vector<std::uint64_t> lifting;
   r.list(support);
@@ -455,10 +491,12 @@ std::optional<Record> record_of(std::string_view line) {
   r.list(tapered);
   r.list(at_parts);
   r.list(lifting);
+  r.list(flow);
   if (!take(support, record.support) || !take(orders, record.orders) || !take(groups, record.groups) ||
       !take(clamped, record.clamped) || !take(border, record.border) || !take(whole, bins, record.whole) ||
       !take(sets, record.sets) || !take(lines, record.lines) || !take(cases, record.cases) ||
-      !take(tapered, record.tapered) || !take(at_parts, record.at_parts) || lifting.size() != record.cases.size()) {
+      !take(tapered, record.tapered) || !take(at_parts, record.at_parts) || !take(flow, record.flow) ||
+      lifting.size() != record.cases.size()) {
     return std::nullopt;
   }
   for (std::size_t k = 0; k < lifting.size(); ++k) record.cases[k].lifting = lifting[k];

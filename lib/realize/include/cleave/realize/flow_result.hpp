@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cleave/core/fields.hpp"
@@ -12,6 +13,8 @@
 
 /// What [flow] came to.
 namespace cleave::scene {
+
+struct Scene;
 
 /// A surface of the rock that joints reach.
 struct FlowSurface {
@@ -79,6 +82,7 @@ struct FlowResult {
   std::vector<FlowSurface> surfaces = {};
   std::vector<FlowJoint> joints = {};  ///< that are in the rock, by number
   std::vector<FlowPair> percolates = {};
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> percolating_tags = {};  ///< the same by tags of the domain
   std::optional<flow::Flow> flow = {};  ///< where water stands somewhere; points and heads relative to `origin`
   geometry::Vec3 origin = {};
   std::vector<topology::JointId> joint_of_part = {};  ///< of the parts of the mesh: the first joint there
@@ -121,5 +125,8 @@ void fields(V& v, const FlowResult& x) {
   v("residual", when(x.flow.has_value(), f.residual), "of the equations, relative");
   v("imbalance", when(x.flow.has_value(), f.imbalance), "of all rates, relative");
 }
+
+/// What [flow] takes for granted.
+[[nodiscard]] std::string note_on_flow(const Scene& scene);
 
 }  // namespace cleave::scene

@@ -94,6 +94,14 @@ void fields(V& v, const SetEstimates& x) {
   v("p21", mean(x.p21), "1/m, length of traces on level planes, mean over all of them");
 }
 template <class V>
+void fields(V& v, const Percolation& x) {
+  v("from", x.from);
+  v("to", x.to);
+  v("probability", x.probability, "share of the realizations in which one cluster of joints connects the two");
+  v("low", x.interval.low);
+  v("high", x.interval.high);
+}
+template <class V>
 void fields(V& v, const LineEstimates& x) {
   const auto mean = [](const Estimate& e) {
     return group([&e](auto& w) {
@@ -299,6 +307,9 @@ void fields(V& v, const MonteCarloPage& x) {
       w("jv", when(f.jv.has_value(), group([&](auto& q) { mean_fields(q, f.jv.value_or(stochastic::Estimate{})); })),
         "1/m, volumetric joint count: p10 of the sets, added (Palmstrom 1982)");
       w("lines", when_any(f.lines), "scanlines, mean over realizations");
+      w("percolation", when_any(f.percolation),
+        "of a scene with [flow]: pairs of sides of the domain; of more than 8 sides those that some realization "
+        "connects, of more than 100 none");
       w("block_sizes", f.block_sizes, "where all blocks are cut");
       w("size_distribution", f.sizes);
       w("first_batch_size_distribution", f.first_sizes);

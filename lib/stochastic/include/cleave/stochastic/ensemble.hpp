@@ -30,6 +30,8 @@ struct Quantity {
   bool by_case = false;      ///< given for each load case as well
   bool at_parts = false;     ///< needs an opening that is no cut from above
   bool openings = false;     ///< needs excavations, over whose area it is
+  bool flow = false;         ///< needs [flow]
+  bool water = false;        ///< needs water that stands somewhere
   /// Whether the scene of this record asks for it.
   [[nodiscard]] bool asked_in(const Record& record) const noexcept;
 };
@@ -147,6 +149,13 @@ struct LineEstimates {
   Estimate frequency, rqd;
 };
 
+/// How often one cluster of joints connects two sides of the domain.
+struct Percolation {
+  std::string from, to;
+  double probability = 0;
+  Interval interval = {};  ///< Clopper-Pearson
+};
+
 /// One point of the distribution of factors of safety, of the blocks that would move without friction.
 struct FactorPoint {
   double factor = 0;
@@ -189,8 +198,11 @@ struct Figures {
   std::uint64_t strengths_per_geometry = 1;
   std::vector<VarianceShare> variances;  ///< of a nested design
   std::vector<SizePoint> sizes, first_sizes;
-  std::vector<SetEstimates> sets = {};               ///< those that had joints
-  std::vector<LineEstimates> lines = {};             ///< those that lie in rock
+  std::vector<SetEstimates> sets = {};    ///< those that had joints
+  std::vector<LineEstimates> lines = {};  ///< those that lie in rock
+  /// Of a scene with [flow]; of more than `sides_in_full` sides without the pairs that no realization connects, of more
+  /// than `most_sides` none.
+  std::vector<Percolation> percolation = {};
   std::optional<Estimate> jv = {};                   ///< sum of p10 over the sets
   std::optional<BlockSizeFigures> block_sizes = {};  ///< where all blocks were cut and some are whole
   std::string running_quantity;
@@ -231,6 +243,9 @@ struct EnsembleOptions {
   std::vector<std::string> cases = {};   ///< names of the load cases, in the order of the records
   std::vector<std::string> sets = {};    ///< names of the joint sets, in the order of the records
   std::vector<std::string> lines = {};   ///< names of the scanlines, in the order of the records
+  bool flow = false;                     ///< joints that hang together were looked for
+  bool water = false;                    ///< and water was sent through them
+  std::vector<std::string> sides = {};   ///< names of the domain's sides, by the number in FlowTally
   std::vector<double> size_levels = {};  ///< shares at which block sizes are given
   bool undisturbed = false;              ///< blocks count by their weights: see Questions::undisturbed
   /// Nested design: so many realizations in a row have the same joints, each its own strengths and loads. Then the
@@ -238,6 +253,8 @@ struct EnsembleOptions {
   std::uint64_t strengths_per_geometry = 1;
   std::string running_quantity = "key_block_volume_m3";
 };
+
+inline constexpr std::size_t sides_in_full = 8, most_sides = 100;
 
 /// Sums of block sizes and of amounts of joints, for Ensemble.
 class BlockSizeSums final {
@@ -299,7 +316,8 @@ class Ensemble final {
   [[nodiscard]] bool of_case(const Quantity& q) const { return q.by_case && has(q); }
   [[nodiscard]] bool has(const Quantity& q) const {
     return has(q.stability, q.whole_system) && (options_.support || !q.support) && (options_.groups || !q.groups) &&
-           (options_.clamped || !q.clamped) && (options_.at_parts || !q.at_parts) && (options_.openings || !q.openings);
+           (options_.clamped || !q.clamped) && (options_.at_parts || !q.at_parts) &&
+           (options_.openings || !q.openings) && (options_.flow || !q.flow) && (options_.water || !q.water);
   }
   static const std::vector<Ratio>& ratios();
   [[nodiscard]] static std::size_t index_of(std::string_view quantity);
@@ -331,6 +349,7 @@ class Ensemble final {
   }
   void add_factors(Figures& figures) const;
   void add_pressures(Figures& figures) const;
+  void add_percolation(Figures& figures) const;
   void add_notes(Figures& figures) const;
 
   EnsembleOptions options_;
@@ -377,6 +396,7 @@ class Ensemble final {
   std::vector<Moments> with_factor_below_;                            // 1 for a realization with such a block
   std::vector<Moments> pressing_, pressing_blocks_;                   // 1 for a realization above the pressure
   double key_volume_ = 0, beside_fixed_ = 0;
+  std::vector<Moments> connected_;  // 1 for a realization that connects this pair of sides
   Sha256 hash_;
 };
 

@@ -176,6 +176,30 @@ struct LineTally {
   friend bool operator==(const LineTally&, const LineTally&) = default;
 };
 
+/// Water in the joints of one network.
+struct WaterTally {
+  FlowRate inflow = {};          ///< out of all drained surfaces
+  FlowRate low = {}, high = {};  ///< bounds of the exact rate of this network
+  double wet_share = 0;          ///< of the area of joints: connected with standing water
+  bool settled = false;          ///< to the tolerance asked for
+  friend bool operator==(const WaterTally&, const WaterTally&) = default;
+};
+/// How the joints hang together. Shares are of their area.
+struct FlowTally {
+  std::uint64_t clusters = 0;
+  double largest_share = 0;   ///< of the largest cluster
+  double opening_share = 0;   ///< in clusters that reach an opening
+  double backbone_share = 0;  ///< on ways from a fixed side of the domain to an opening
+  /// Pairs of sides of the domain that one cluster connects, ascending, by `pair_of_sides`.
+  std::vector<std::uint64_t> connected = {};
+  std::optional<WaterTally> water = {};  ///< where some surface has a level
+  friend bool operator==(const FlowTally&, const FlowTally&) = default;
+};
+/// The number of the pair `a` < `b` among all pairs of sides, whatever their number: (0, 1), (0, 2), (1, 2), (0, 3) ...
+[[nodiscard]] constexpr std::uint64_t pair_of_sides(std::uint64_t a, std::uint64_t b) noexcept {
+  return b * (b - 1) / 2 + a;
+}
+
 /// One order of the excavation stages: what leaves when it is followed.
 struct OrderTally {
   std::uint64_t key_blocks = 0;
@@ -207,19 +231,20 @@ struct Record {
   /// Blocks that would move without friction, by factor of safety: below 0.1, 0.2, ... 3.0, and above; empty when none.
   std::vector<std::uint64_t> factors;
   Tally all, first;
-  std::vector<std::uint64_t> above;  ///< key blocks above each of the volumes asked for
-  std::vector<double> chainage_m3;   ///< largest key block in each part of the axis; empty without a tunnel
-  std::optional<Supported> support;  ///< of a scene with [support]
-  std::optional<Grouped> groups;     ///< of a scene with groups = "decide"
-  std::optional<Clamped> clamped;    ///< of a scene with [field_stress]
-  std::optional<Staying> border;     ///< of a scene with the stability stage: held only by sides that are not free
-  std::optional<Staying> tapered;    ///< the same: held only because joints close on them by next to nothing
-  std::optional<WholeBlocks> whole;  ///< where all blocks are cut
-  std::vector<SetTally> sets;        ///< in the order of the scene's sets
-  std::vector<LineTally> lines;      ///< in the order of the scene's lines
-  std::vector<OrderTally> orders;    ///< of a scene with [sequence]: its own order first, then those to compare
-  std::vector<CaseTally> cases;      ///< in the order of the scene's load cases
-  std::vector<PartTally> at_parts;   ///< by Part, key blocks with a free face; empty with cuts from above alone
+  std::vector<std::uint64_t> above;    ///< key blocks above each of the volumes asked for
+  std::vector<double> chainage_m3;     ///< largest key block in each part of the axis; empty without a tunnel
+  std::optional<Supported> support;    ///< of a scene with [support]
+  std::optional<Grouped> groups;       ///< of a scene with groups = "decide"
+  std::optional<Clamped> clamped;      ///< of a scene with [field_stress]
+  std::optional<Staying> border;       ///< of a scene with the stability stage: held only by sides that are not free
+  std::optional<Staying> tapered;      ///< the same: held only because joints close on them by next to nothing
+  std::optional<WholeBlocks> whole;    ///< where all blocks are cut
+  std::vector<SetTally> sets;          ///< in the order of the scene's sets
+  std::vector<LineTally> lines;        ///< in the order of the scene's lines
+  std::vector<OrderTally> orders;      ///< of a scene with [sequence]: its own order first, then those to compare
+  std::vector<CaseTally> cases;        ///< in the order of the scene's load cases
+  std::vector<PartTally> at_parts;     ///< by Part, key blocks with a free face; empty with cuts from above alone
+  std::optional<FlowTally> flow = {};  ///< of a scene with [flow]
   friend bool operator==(const Record&, const Record&) = default;
 };
 
