@@ -83,18 +83,16 @@ enum class GroupsHeld : std::uint8_t {
 /// What a search asks of a plan under one load case.
 class PlanCheck {
  public:
-  /// `plan` has the targets. `groups`: whether blocks are judged together too.
+  /// `plan` has the targets. `below`: groups that miss them, where blocks are judged together too.
   PlanCheck(const topology::AuditedComplex& complex, stability::Settings settings, const stability::Analysis& analysis,
-            const stability::SupportPlan& plan, std::optional<stability::Together> groups)
+            const stability::SupportPlan& plan, const stability::KeyGroups* below, stability::Together together)
       : complex_{&complex},
         settings_{std::move(settings)},
         analysis_{&analysis},
         target_{.falling = plan.target_falling, .sliding = plan.target_sliding} {
-    if (!groups) return;
-    stability::KeyGroups below = stability::groups_below_target(complex, settings_, plan, *groups);
-    if (below.too_many || below.groups.empty()) return;
-    below_ = std::move(below);
-    together_ = *groups;
+    if (below == nullptr || below->too_many || below->groups.empty()) return;
+    below_ = *below;
+    together_ = together;
   }
   [[nodiscard]] bool has_groups() const noexcept { return below_.has_value(); }
   [[nodiscard]] const std::vector<topology::BlockId>& undecided() const noexcept { return undecided_; }
@@ -309,18 +307,25 @@ class DesignSearch {
 
 }  // namespace
 
-void search_designs(const Scene& scene, const topology::AuditedComplex& complex, const stability::Analysis& analysis,
-                    Realization& made, unsigned threads) {
+std::vector<stability::KeyGroups> search_designs(const Scene& scene, const topology::AuditedComplex& complex,
+                                                 const stability::Analysis& analysis, Realization& made,
+                                                 unsigned threads) {
   const SupportSettings& support = *scene.support;
   const stability::Settings settings = settings_on(complex.complex(), scene, made, scene.stability->loads);
   const bool groups = scene.stability->groups != stability::GroupsCheck::off;
-  const auto asked = groups ? std::optional{together(scene, threads)} : std::nullopt;
+  const stability::Together most = together(scene, threads);
+  std::vector<stability::KeyGroups> below;
   std::vector<PlanCheck> checks;
-  checks.emplace_back(complex, settings, analysis, support.plan, asked);
+  const auto add = [&](const stability::Settings& with, const stability::Analysis& alone,
+                       const stability::SupportPlan& plan) {
+    if (groups) below.push_back(stability::groups_below_target(complex, with, plan, most));
+    checks.emplace_back(complex, with, alone, plan, groups ? &below.back() : nullptr, most);
+  };
+  add(settings, analysis, support.plan);
   for (std::size_t k = 0; k < made.load_cases.size(); ++k) {
     const LoadCase& load = scene.stability->cases[k];
-    checks.emplace_back(complex, settings_on(complex.complex(), scene, made, load.loads), made.load_cases[k].analysis,
-                        plan_under(load, support.plan), asked);
+    add(settings_on(complex.complex(), scene, made, load.loads), made.load_cases[k].analysis,
+        plan_under(load, support.plan));
   }
   for (const double length : support.design->lengths) {
     DesignResult& design = made.designs.emplace_back(DesignSearch{support, length, scene.seed, checks}.run());
@@ -330,6 +335,7 @@ void search_designs(const Scene& scene, const topology::AuditedComplex& complex,
   for (const PlanCheck& check : checks) {
     made.undecided.insert(made.undecided.end(), check.undecided().begin(), check.undecided().end());
   }
+  return below;
 }
 
 }  // namespace cleave::scene

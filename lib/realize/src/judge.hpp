@@ -49,12 +49,15 @@ void judge_support_in_stages(const Scene& scene, Realization& made, unsigned thr
 void forget_cases_and_support(Realization& made);
 void judge_cases(const Scene& scene, const topology::AuditedComplex& complex, Realization& made);
 /// After `judge_cases`: the support is checked under each named case too. Shown: with factors, and its designs are
-/// searched for, if the scene asks for them.
-void judge_support(const Scene& scene, const topology::AuditedComplex& complex, const stability::Analysis& analysis,
-                   Realization& made, Detail detail, unsigned threads);
-/// The widest spacings for each length of bolt that the scene's design tries, into `Realization::designs`.
-void search_designs(const Scene& scene, const topology::AuditedComplex& complex, const stability::Analysis& analysis,
-                    Realization& made, unsigned threads);
+/// searched for, if the scene asks for them; then what `search_designs` gives.
+std::vector<stability::KeyGroups> judge_support(const Scene& scene, const topology::AuditedComplex& complex,
+                                                const stability::Analysis& analysis, Realization& made, Detail detail,
+                                                unsigned threads);
+/// The widest spacings for each length of bolt that the scene's design tries, into `Realization::designs`. Gives the
+/// groups that miss their targets without support, of the base case and each load case, where groups are judged.
+std::vector<stability::KeyGroups> search_designs(const Scene& scene, const topology::AuditedComplex& complex,
+                                                 const stability::Analysis& analysis, Realization& made,
+                                                 unsigned threads);
 /// The plan with the targets of a load case.
 [[nodiscard]] stability::SupportPlan plan_under(const LoadCase& load, stability::SupportPlan plan);
 void judge_maximum_blocks(const Scene& scene, Realization& made);

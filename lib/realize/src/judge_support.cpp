@@ -169,8 +169,9 @@ void judge_support_in_stages(const Scene& scene, Realization& made, unsigned thr
   }
 }
 
-void judge_support(const Scene& scene, const topology::AuditedComplex& complex, const stability::Analysis& analysis,
-                   Realization& made, Detail detail, unsigned threads) {
+std::vector<stability::KeyGroups> judge_support(const Scene& scene, const topology::AuditedComplex& complex,
+                                                const stability::Analysis& analysis, Realization& made, Detail detail,
+                                                unsigned threads) {
   const stability::Settings settings = settings_on(complex.complex(), scene, made, scene.stability->loads);
   const SupportSettings& support = *scene.support;
   stability::SupportPlan plan = support.plan;
@@ -185,8 +186,8 @@ void judge_support(const Scene& scene, const topology::AuditedComplex& complex, 
     made.support_cases.push_back({scene.stability->cases[k].name, by_load[k + 1](plan)});
     note(made.support_cases.back().support.undecided, made);
   }
-  if (!support.design || detail == Detail::counted || !made.undecided.empty()) return;
-  search_designs(scene, complex, analysis, made, threads);
+  if (!support.design || detail == Detail::counted || !made.undecided.empty()) return {};
+  return search_designs(scene, complex, analysis, made, threads);
 }
 
 }  // namespace cleave::scene

@@ -138,7 +138,8 @@ Realizer::Done Realizer::cut_near_free_faces() {
       booked(Step::stability, [&] { judge_cases(*scene_, complex, made_); });
     }
     if (scene_->support && made_.undecided.empty()) {
-      booked(Step::support, [&] { judge_support(*scene_, complex, analysis, made_, detail_, options_.threads); });
+      // Of a window: what it knows of groups is not that of all the rock.
+      booked(Step::support, [&] { (void)judge_support(*scene_, complex, analysis, made_, detail_, options_.threads); });
     }
     // The replay of a realization cuts what the ensemble cut.
     const bool grows = judges_groups() && (!scene_->monte_carlo || scene_->stability->decides_by_groups());
@@ -338,8 +339,9 @@ void Realizer::judge_groups_of_stages() {
 }
 
 void Realizer::support() {
+  below_target_.clear();
   if (made_.undecided.empty())
-    judge_support(*scene_, *made_.complex, *made_.analysis, made_, detail_, options_.threads);
+    below_target_ = judge_support(*scene_, *made_.complex, *made_.analysis, made_, detail_, options_.threads);
 }
 
 /// Whether it holds groups that miss their target, in the base case and in each load case; ensembles ask it where
@@ -349,14 +351,14 @@ void Realizer::support_of_groups() {
   for (CaseSupport& load : made_.support_cases) load.groups.reset();
   if (!made_.key_groups || made_.key_groups->too_many) return;
   const topology::BlockComplex& complex = made_.complex->complex();
-  made_.group_support = groups_with_support(settings(complex), scene_->support->plan, *made_.support, "");
+  made_.group_support = groups_with_support(settings(complex), scene_->support->plan, *made_.support, "", 0);
   if (made_.group_support) mark_bolts_of_groups(*made_.group_support, *made_.support);
   for (std::size_t k = 0; k < made_.support_cases.size(); ++k) {
     CaseSupport& load = made_.support_cases[k];
     const LoadCase& stated = scene_->stability->cases[k];
-    load.groups =
-        groups_with_support(of_detail(settings_on(complex, *scene_, made_, stated.loads)),
-                            plan_under(stated, scene_->support->plan), load.support, "load case " + load.name + ": ");
+    load.groups = groups_with_support(of_detail(settings_on(complex, *scene_, made_, stated.loads)),
+                                      plan_under(stated, scene_->support->plan), load.support,
+                                      "load case " + load.name + ": ", k + 1);
     if (load.groups) mark_bolts_of_groups(*load.groups, load.support);
   }
 }
@@ -364,8 +366,13 @@ void Realizer::support_of_groups() {
 std::optional<stability::GroupSupport> Realizer::groups_with_support(const stability::Settings& settings,
                                                                      const stability::SupportPlan& plan,
                                                                      const stability::SupportResult& support,
-                                                                     std::string_view where) {
-  auto found = stability::check_groups(*made_.complex, settings, plan, support, together(*scene_, options_.threads));
+                                                                     std::string_view where, std::size_t number) {
+  const stability::Together most = together(*scene_, options_.threads);
+  assembly::UntiedSets untied;
+  stability::GroupSupport found =
+      number < below_target_.size()
+          ? check_groups(*made_.complex, settings, plan, support, below_target_[number], untied, most)
+          : check_groups(*made_.complex, settings, plan, support, most);
   if (!found.too_many()) return found;
   group_notes_.push_back(too_many_with_support(where));
   return std::nullopt;

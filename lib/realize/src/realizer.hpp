@@ -55,11 +55,12 @@ class Realizer final {
                                                   const std::optional<stability::KeyGroups>& groups) const;
   void support();
   void support_of_groups();
-  /// Of the base case or a load case; empty, and noted, where more blocks than are judged together are near free faces.
+  /// Of the base case, `number` 0, or a load case; empty, and noted, where more blocks than are judged together are
+  /// near free faces.
   [[nodiscard]] std::optional<stability::GroupSupport> groups_with_support(const stability::Settings& settings,
                                                                            const stability::SupportPlan& plan,
                                                                            const stability::SupportResult& support,
-                                                                           std::string_view where);
+                                                                           std::string_view where, std::size_t number);
   [[nodiscard]] Done clamp();
   [[nodiscard]] Done move();
   [[nodiscard]] Done send_water();
@@ -86,6 +87,8 @@ class Realizer final {
   std::optional<topology::StageBlocks> final_state_;
   Realization made_;
   std::vector<std::string> group_notes_;
+  /// What misses its target without support, where a search for designs has found it: base case, then load cases.
+  std::vector<stability::KeyGroups> below_target_;
 };
 
 }  // namespace cleave::scene
