@@ -5,8 +5,11 @@
 #include <boost/multiprecision/cpp_int.hpp>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <random>
+#include <vector>
 
 namespace cleave::geometry {
 namespace {
@@ -89,6 +92,37 @@ TEST(PredicatesTest, SegmentAndTriangle) {
   EXPECT_FALSE(segment_meets_triangle({-1, 5, 0}, {5, 5, 0}, a, b, c));
   EXPECT_FALSE(segment_meets_triangle({2, 2.0000000000000004, -1}, {2, 2.0000000000000004, 1}, a, b, c));
   EXPECT_FALSE(segment_meets_triangle({1, 1, 1e-30}, {1, 1, 1}, a, b, c));
+}
+
+// Outlines on a lattice that cross themselves too; corners at the height of the point. Against turns about the point:
+// of an outline that goes round an even number of times no point is inside.
+TEST(PredicatesTest, OutlinesGoRoundWhatTheyTurnAboutAnOddNumberOfTimes) {
+  std::mt19937_64 bits{5};
+  const auto lattice = [&] { return static_cast<double>(bits() % 9); };
+  int in = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    std::vector<Vec2> outline(3 + bits() % 6);
+    for (Vec2& corner : outline) corner = {lattice(), lattice()};
+    const Vec2 p{lattice() + 1.0 / 3,
+                 lattice()};  // on no side between lattice points but level ones and those of slope 1/3
+    double turns = 0;
+    bool on = false;
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+      const Vec2 a = outline[i] - p, b = outline[(i + 1) % outline.size()] - p;
+      on = on || segments_meet(p, p, outline[i], outline[(i + 1) % outline.size()]);
+      turns += std::atan2(cross(a, b), dot(a, b));
+    }
+    if (on) continue;
+    const bool odd = std::lround(turns / (2 * std::numbers::pi)) % 2 != 0;
+    EXPECT_EQ(encloses(outline, p), odd) << trial;
+    in += odd ? 1 : 0;
+  }
+  EXPECT_GT(in, 300);
+  // Nearer to the side than doubles tell: the sign is exact.
+  const std::array<Vec2, 3> thin{{{0, 0}, {3, 1}, {-1, 5}}};
+  const double y = 1.0 / 3, below = std::nextafter(3 * y, 9);
+  EXPECT_EQ(encloses(thin, {3 * y, y}), rational_orient2d(thin[0], thin[1], {3 * y, y}) != Sign::negative);
+  EXPECT_EQ(encloses(thin, {below, y}), rational_orient2d(thin[0], thin[1], {below, y}) != Sign::negative);
 }
 
 }  // namespace

@@ -673,6 +673,21 @@ TEST(KeyGroupsScene, TheSearchForAPatternHoldsThem) {
   EXPECT_TRUE(found.governing.has_value());
 }
 
+// The check of the support goes by the groups that the search for patterns found, each load case by its own.
+TEST(KeyGroupsScene, ASearchForPatternsChangesNoCheck) {
+  const std::string lenient = "[[load]]\nname = \"lenient\"\ntarget = { falling = 0.8, sliding = 0.8 }\n";
+  const std::string design = "[support.design]\nlengths = [8]\nscale = [1, 1.05]\nphases = 1\noffsets = 1\n";
+  for (const std::string& more : {std::string{}, design}) {
+    const RunResult run = run_of(cabled_slab(1, 0, "", lenient + more));
+    ASSERT_EQ(run.designs.size(), more.empty() ? 0U : 1U);
+    ASSERT_TRUE(run.figures.support->groups);
+    ASSERT_EQ(run.figures.support_cases.size(), 1U);
+    ASSERT_TRUE(run.figures.support_cases[0].figures.groups);
+    EXPECT_EQ(run.figures.support->groups->count, 1U);
+    EXPECT_EQ(run.figures.support_cases[0].figures.groups->count, 0U);
+  }
+}
+
 // What even the tightest pattern does not hold is said, and the pattern is what single blocks want.
 TEST(KeyGroupsScene, GroupsThatNoPatternHoldsAreSaid) {
   const RunResult run = run_of(cabled_slab(

@@ -9,6 +9,7 @@
 
 #include "cleave/core/disjoint_sets.hpp"
 #include "cleave/core/overloaded.hpp"
+#include "cleave/geometry/predicates.hpp"
 #include "cleave/geometry/triangulate.hpp"
 #include "outline.hpp"
 #include "shape.hpp"
@@ -36,16 +37,6 @@ std::vector<double> crossings(std::span<const Vec2> outline, Vec2 from, Vec2 to)
   }
   std::ranges::sort(at);
   return at;
-}
-
-bool holds(std::span<const Vec2> outline, Vec2 p) {
-  bool inside = false;
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    const Vec2 a = outline[i], b = outline[(i + 1) % outline.size()];
-    if ((a.y > p.y) == (b.y > p.y)) continue;
-    if (p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)) inside = !inside;
-  }
-  return inside;
 }
 
 std::vector<Vec2> flattened(std::span<const Vec3> corners, const FlatFrame& frame) {
@@ -135,7 +126,7 @@ std::optional<Vec3> crossing(const SolidJoint& joint, const MappedHole& hole) {
   if (joint.polygons.empty()) return at;
   const FlatFrame frame = flat_frame(joint.centre, joint.normal);
   for (const auto& polygon : joint.polygons) {
-    if (holds(flattened(polygon, frame), frame.flat(at))) return at;
+    if (geometry::encloses(flattened(polygon, frame), frame.flat(at))) return at;
   }
   return std::nullopt;
 }

@@ -255,15 +255,6 @@ double twice_area(const std::vector<Vec2>& loop) {
   return sum;
 }
 
-bool inside(const std::vector<Vec2>& outline, Vec2 p) {
-  bool in = false;
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    const Vec2 a = outline[i], b = outline[(i + 1) % outline.size()];
-    if ((a.y > p.y) != (b.y > p.y) && (orient(a, b, p) > 0) == (b.y > a.y)) in = !in;
-  }
-  return in;
-}
-
 std::vector<Region> regions_of(std::span<const Loop> loops, std::span<const geometry::Vec3> positions,
                                geometry::Vec3 outward) {
   std::vector<Loop> simple;
@@ -291,7 +282,7 @@ std::vector<Region> regions_of(std::span<const Loop> loops, std::span<const geom
       // By majority: single corners may lie on the outline.
       std::ptrdiff_t votes = 0;
       for (const Vec2 p : seen(hole, positions, outward))
-        votes += std::ranges::find(around, p) == around.end() ? (inside(around, p) ? 1 : -1) : 0;
+        votes += std::ranges::find(around, p) == around.end() ? (geometry::encloses(around, p) ? 1 : -1) : 0;
       if (votes <= 0 || twice_area(around) >= smallest) continue;
       smallest = twice_area(around);
       home = r;

@@ -37,18 +37,6 @@ bool rings_meet(const Ring& a, const Ring& b) {
   return false;
 }
 
-/// By crossings of the ray to the right; the point must not lie on the ring.
-bool inside(const Ring& ring, Vec2 p) {
-  bool in = false;
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Vec2 a = ring[i], b = ring[(i + 1) % ring.size()];
-    if ((a.y > p.y) == (b.y > p.y)) continue;
-    const exact::Sign side = orient2d(a, b, p);
-    if ((side == exact::Sign::positive) == (b.y > a.y)) in = !in;
-  }
-  return in;
-}
-
 }  // namespace
 
 std::optional<HoleFault> check_holes(const Polygon& polygon, std::span<const Polygon> holes) {
@@ -68,9 +56,9 @@ std::optional<HoleFault> check_holes(const Polygon& polygon, std::span<const Pol
     for (const Vec3& c : holes[h].corners()) furthest = std::max(furthest, std::abs(dot(normal, c - corners[0])));
     if (furthest > allowed) return HoleFault{h, HoleFault::Kind::off_plane, metres(furthest)};
     rings.push_back(ring_of(holes[h], axis));
-    if (rings_meet(outline, rings[h]) || !inside(outline, rings[h][0])) return HoleFault{h, HoleFault::Kind::outside};
+    if (rings_meet(outline, rings[h]) || !encloses(outline, rings[h][0])) return HoleFault{h, HoleFault::Kind::outside};
     for (std::size_t g = 0; g < h; ++g) {
-      if (rings_meet(rings[g], rings[h]) || inside(rings[g], rings[h][0]) || inside(rings[h], rings[g][0])) {
+      if (rings_meet(rings[g], rings[h]) || encloses(rings[g], rings[h][0]) || encloses(rings[h], rings[g][0])) {
         return HoleFault{h, HoleFault::Kind::overlaps};
       }
     }

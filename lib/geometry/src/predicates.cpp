@@ -187,6 +187,16 @@ bool in_closed_triangle(Vec2 p, Vec2 a, Vec2 b, Vec2 c) noexcept {
          orient2d(c, a, p) != Sign::negative;
 }
 
+bool encloses(std::span<const Vec2> outline, Vec2 p) noexcept {
+  bool in = false;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Vec2 a = outline[i], b = outline[i + 1 < outline.size() ? i + 1 : 0];
+    if ((a.y > p.y) == (b.y > p.y)) continue;  // by crossings of the ray to the right
+    if ((orient2d(a, b, p) == Sign::positive) == (b.y > a.y)) in = !in;
+  }
+  return in;
+}
+
 bool segment_meets_triangle(Vec3 p, Vec3 q, Vec3 a, Vec3 b, Vec3 c) noexcept {
   const Sign p_side = orient3d(a, b, c, p);
   const Sign q_side = orient3d(a, b, c, q);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cleave/geometry/orientation.hpp"
+#include "cleave/geometry/predicates.hpp"
 #include "cleave/io/joint_csv.hpp"
 #include "cleave/scene/file_input.hpp"
 #include "cleave/scene3d/bounds.hpp"
@@ -47,15 +48,9 @@ Length distance_to_border(const dfn::MappedFace& face, Vec3 p) {
 bool holds(const dfn::MappedFace& face, Vec3 p) {
   const Vec3 n = normal_of(face), some = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 right = normalized(cross(n, some)), up = cross(n, right);
-  const auto corners = face.outline.corners();
-  bool inside = false;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec3 a = corners[i] - p, b = corners[(i + 1) % corners.size()] - p;
-    const double ya = dot(a, up), yb = dot(b, up);
-    if ((ya > 0) == (yb > 0)) continue;
-    if (dot(a, right) + (dot(b, right) - dot(a, right)) * (ya / (ya - yb)) > 0) inside = !inside;
-  }
-  return inside;
+  std::vector<Vec2> flat;
+  for (const Vec3 corner : face.outline.corners()) flat.push_back({dot(corner - p, right), dot(corner - p, up)});
+  return geometry::encloses(flat, {});
 }
 
 namespace {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "cleave/core/special.hpp"
+#include "cleave/geometry/predicates.hpp"
 
 namespace cleave::survey {
 
@@ -407,24 +408,15 @@ Clustering cluster(std::span<const Vec3> normals, std::span<const double> weight
 
 bool pole_inside(Vec3 normal, std::span<const Vec3> polygon) {
   constexpr double level = 1e-6;
-  const auto flat = [](Vec3 v) { return std::array{v.x / (1 - v.z), v.y / (1 - v.z)}; };
+  const auto flat = [](Vec3 v) { return Vec2{v.x / (1 - v.z), v.y / (1 - v.z)}; };
   // Corners on the rim are taken beyond it: what lies on the rim between two of them is inside, not cut off by a chord.
-  const auto corner = [&](std::size_t i) {
-    const Vec3 v = polygon[i];
-    if (std::abs(v.z) < level) return std::array{2 * v.x, 2 * v.y};
+  const auto corner = [&](Vec3 v) {
+    if (std::abs(v.z) < level) return Vec2{2 * v.x, 2 * v.y};
     return flat(v.z > 0 ? -v : v);
   };
-  const auto holds = [&](std::array<double, 2> p) {
-    bool inside = false;
-    for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
-      const auto one = corner(i), two = corner(j);
-      if ((one[1] > p[1]) != (two[1] > p[1]) &&
-          p[0] < (two[0] - one[0]) * (p[1] - one[1]) / (two[1] - one[1]) + one[0]) {
-        inside = !inside;
-      }
-    }
-    return inside;
-  };
+  std::vector<Vec2> outline;
+  for (const Vec3 v : polygon) outline.push_back(corner(v));
+  const auto holds = [&](Vec2 p) { return geometry::encloses(outline, p); };
   // A level pole has two ends on the rim.
   if (std::abs(normal.z) < level) return holds({normal.x, normal.y}) || holds({-normal.x, -normal.y});
   return holds(flat(normal.z > 0 ? -normal : normal));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <span>
 
 #include "cleave/core/vec2.hpp"
 #include "cleave/exact/integer.hpp"
@@ -48,5 +49,8 @@ inline constexpr double largest_coordinate = 1e12;
 
 /// True when p is inside the triangle or on its border; the triangle turns counter-clockwise.
 [[nodiscard]] bool in_closed_triangle(Vec2 p, Vec2 a, Vec2 b, Vec2 c) noexcept;
+
+/// Whether an outline goes round p (even-odd rule), exactly; of points on the outline some count and some do not.
+[[nodiscard]] bool encloses(std::span<const Vec2> outline, Vec2 p) noexcept;
 
 }  // namespace cleave::geometry
