@@ -226,9 +226,23 @@ struct Counted {
   bool judged, only_key_blocks, opened, supported, in_groups, stressed, joined, flows;
 };
 
+Counted counted_in(const std::optional<StabilitySettings>& stability, const OutputSettings& output,
+                   const std::vector<Excavation>& excavations, const std::optional<SupportSettings>& support,
+                   const std::optional<FieldStressSettings>& stress, const std::optional<FlowSettings>& flow) {
+  return {.judged = stability.has_value(),
+          .only_key_blocks = output.only_key_blocks,
+          .opened = !excavations.empty(),
+          .supported = support.has_value(),
+          .in_groups = stability && stability->decides_by_groups(),
+          .stressed = stress.has_value(),
+          .joined = flow.has_value(),
+          .flows = flow && flow->flows()};
+}
+
 /// What a run stops by is counted in it: else it would never stop by it.
-void check_stop(const TableReader& root, const stochastic::Stop& stop, const Counted& in) {
-  const auto* quantity = stochastic::quantity_named(stop.quantity);
+void check_stop(const TableReader& root, const std::optional<MonteCarloSettings>& ensemble, const Counted& in) {
+  if (!ensemble || !ensemble->stop) return;
+  const auto* quantity = stochastic::quantity_named(ensemble->stop->quantity);
   const auto refuse = [&](const char* what, const char* remedy) {
     root.problems().error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity", what, remedy);
   };
@@ -308,18 +322,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   }
   std::optional<MonteCarloSettings> monte_carlo = parse_monte_carlo(root);
   check_flow_water(context, stability.settings, flow, sequence.has_value());
-  if (monte_carlo && monte_carlo->stop) {
-    const bool judged = stability.settings.has_value();
-    check_stop(root, *monte_carlo->stop,
-               {.judged = judged,
-                .only_key_blocks = output.only_key_blocks,
-                .opened = !excavations.empty(),
-                .supported = support.has_value(),
-                .in_groups = judged && stability.settings->decides_by_groups(),
-                .stressed = field_stress.has_value(),
-                .joined = flow.has_value(),
-                .flows = flow && flow->flows()});
-  }
+  check_stop(root, monte_carlo, counted_in(stability.settings, output, excavations, support, field_stress, flow));
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
 
   SceneHead head{.title = header.title,

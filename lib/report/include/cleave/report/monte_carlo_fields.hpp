@@ -308,8 +308,7 @@ void fields(V& v, const MonteCarloPage& x) {
         "1/m, volumetric joint count: p10 of the sets, added (Palmstrom 1982)");
       w("lines", when_any(f.lines), "scanlines, mean over realizations");
       w("percolation", when_any(f.percolation),
-        "of a scene with [flow]: pairs of sides of the domain; of more than 8 sides those that some realization "
-        "connects, of more than 100 none");
+        "[flow]: pairs of the domain's sides (of over 8 those that some realization connects, of over 100 none)");
       w("block_sizes", f.block_sizes, "where all blocks are cut");
       w("size_distribution", f.sizes);
       w("first_batch_size_distribution", f.first_sizes);
