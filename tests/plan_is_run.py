@@ -18,7 +18,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-OF_A_REALIZATION = {"draw", "cut", "audit", "stability", "support"}
+OF_A_REALIZATION = {"draw", "cut", "audit", "flow", "stability", "support"}
 
 
 def booked_as_planned(folder):
