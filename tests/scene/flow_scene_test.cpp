@@ -267,6 +267,8 @@ TEST(FlowScene, WhatARunStopsByIsThere) {
   EXPECT_TRUE(stop("inflow", "[flow]\n").contains("none stands anywhere"));
   EXPECT_TRUE(stop("backbone_share", "").contains("add [flow]"));
   const std::string open = "[stability]\nfree = [\"east\"]\n";
+  EXPECT_TRUE(stop("probability_of_failure_roof", open).contains("only cuts from above"));
+  EXPECT_EQ(stop("probability_of_failure_roof", open + tunnel), taken);
   EXPECT_TRUE(stop("support_fails", open).contains("add [support]"));
   EXPECT_TRUE(stop("key_group_count", open).contains("groups = \"decide\""));
   EXPECT_TRUE(stop("clamped_key_block_count", open).contains("add [field_stress]"));

@@ -223,7 +223,7 @@ bool is_scene(const TomlTable& tree, const std::string& shown, Problems& problem
 
 /// What a scene has that a quantity may be of.
 struct Counted {
-  bool judged, only_key_blocks, opened, supported, in_groups, stressed, joined, flows;
+  bool judged, only_key_blocks, opened, has_own_opening, supported, in_groups, stressed, joined, flows;
 };
 
 Counted counted_in(const std::optional<StabilitySettings>& stability, const OutputSettings& output,
@@ -232,6 +232,7 @@ Counted counted_in(const std::optional<StabilitySettings>& stability, const Outp
   return {.judged = stability.has_value(),
           .only_key_blocks = output.only_key_blocks,
           .opened = !excavations.empty(),
+          .has_own_opening = std::ranges::any_of(excavations, &Excavation::own_shape),
           .supported = support.has_value(),
           .in_groups = stability && stability->decides_by_groups(),
           .stressed = stress.has_value(),
@@ -250,6 +251,9 @@ void check_stop(const TableReader& root, const std::optional<MonteCarloSettings>
     refuse("asks for key blocks, but nothing is free", "add an excavation or stability.free, or take block_count");
   } else if (quantity->openings && !in.opened) {
     refuse("is over the area of excavations, and there are none", "add an excavation, or take support_force");
+  } else if (quantity->at_parts && !in.has_own_opening) {
+    refuse("is of roof, walls or floor, and there are only cuts from above",
+           "add a tunnel, shaft or cavern, or take the quantity of all key blocks");
   } else if (quantity->support && !in.supported) {
     refuse("is of a support design, and there is none", "add [support], or take key_block_volume");
   } else if (quantity->groups && !in.in_groups) {
