@@ -13,8 +13,8 @@
 
 namespace cleave::cli::test {
 
-/// Starts the program in a folder and sends it a signal as soon as `when()` holds, however fast the machine is. The code
-/// is as a shell says it: 128 and the number of the signal for what a signal ended.
+/// Starts the program in a folder and sends it a signal as soon as `when()` holds, however fast the machine is. The
+/// code is as a shell says it: 128 and the number of the signal for what a signal ended.
 [[nodiscard]] inline Ended signalled(const fs::path& folder, std::vector<std::string> arguments, int signal,
                                      const std::predicate auto& when) {
   const std::string out = folder.string() + ".out", err = folder.string() + ".err";

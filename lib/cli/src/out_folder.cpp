@@ -96,8 +96,8 @@ bool is_temporary_tail(std::string_view tail) {
   return !tail.empty() && tail.find_first_not_of("0123456789-") == std::string_view::npos;
 }
 
-/// Takes away all that is in an open folder. Nothing is allocated, here or in the calls: what reads folders for us (nftw,
-/// opendir) wants memory of its own, and this is called where there is none.
+/// Takes away all that is in an open folder. Nothing is allocated, here or in the calls: what reads folders for us
+/// (nftw, opendir) wants memory of its own, and this is called where there is none.
 void empty_folder(int folder) noexcept {
   alignas(dirent64) std::array<std::byte, 4096> entries{};
   bool removed = true;
@@ -126,8 +126,8 @@ void empty_folder(int folder) noexcept {
   }
 }
 
-/// Without an allocation and without exceptions: the library's own way ends the program when memory runs out. False when
-/// something stays.
+/// Without an allocation and without exceptions: the library's own way ends the program when memory runs out. False
+/// when something stays.
 bool remove_tree(const char* folder) noexcept {
   const int open = ::open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
   if (open < 0) return errno == ENOENT;
