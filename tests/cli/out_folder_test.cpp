@@ -133,6 +133,10 @@ TEST_F(OutFolderTest, FoldersOfKilledRunsAreTakenAway) {
   for (const char* left : {"out.cleave-1", "out.cleave-77-0", "out.cleave-77-1.dead"}) {
     fs::create_directory(path(left));
     write(std::string{left} + "/blocks.vtu", "half");
+    // More names than one look at a folder tells, and folders in it.
+    for (int k = 0; k < 300; ++k) write(std::string{left} + "/section_" + std::to_string(k) + ".toml", "");
+    fs::create_directories(path(left) / "realization_1" / "deeper");
+    write(std::string{left} + "/realization_1/deeper/summary.json", "half");
   }
   fs::create_directory(path("out.cleave-mine"));
   fs::create_directory(path("other.cleave-1-0"));
