@@ -14,22 +14,6 @@ namespace {
 
 using geometry::Vec3;
 
-/// Midpoint rule on a fan: exact for quadratic integrands, so for linear q and q x.
-template <class Q>
-Moments over_fan(const Convex& polygon, Q q) {
-  Moments sum;
-  for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
-    const Vec3 a = polygon[0], b = polygon[i], c = polygon[i + 1];
-    const double third = geometry::norm(geometry::cross(b - a, c - a)) / 6;
-    for (const Vec3 x : {0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)}) {
-      const double value = third * q(x);
-      sum.total += value;
-      sum.first += value * x;
-    }
-  }
-  return sum;
-}
-
 /// The plane's two axes that see the face largest, so that "inside" is asked in two dimensions.
 struct Flattened {
   bool drop_x, drop_y;
@@ -71,17 +55,6 @@ std::vector<SignedTriangle> fan(const topology::BlockComplex& complex, const top
   return triangles;
 }
 
-Convex clipped(const Convex& polygon, Vec3 normal, double offset) {
-  Convex kept;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vec3 a = polygon[i], b = polygon[(i + 1) % polygon.size()];
-    const double da = offset - geometry::dot(normal, a), db = offset - geometry::dot(normal, b);
-    if (da >= 0) kept.push_back(a);
-    if ((da > 0 && db < 0) || (da < 0 && db > 0)) kept.push_back(a + (da / (da - db)) * (b - a));
-  }
-  return kept;
-}
-
 Convex overlap(const SignedTriangle& a, const SignedTriangle& b, Vec3 plane_normal) {
   Convex part{a.corners.begin(), a.corners.end()};
   for (std::size_t i = 0; i < 3 && part.size() > 2; ++i) {
@@ -101,14 +74,6 @@ Convex within(Convex polygon, const Box& box) {
                                                       {{0, 0, -1}, -box.min.z}}};
   for (const auto& [normal, offset] : sides) polygon = clipped(polygon, normal, offset);
   return polygon;
-}
-
-Moments integrate(const Convex& polygon, const LinearPressure& pressure) {
-  return over_fan(clipped(polygon, pressure.up, pressure.level), [&](Vec3 x) { return pressure.at(x); });
-}
-
-Moments integrate(const Convex& polygon) {
-  return over_fan(polygon, [](Vec3) { return 1.0; });
 }
 
 std::vector<Vec3> shared_corners(const topology::BlockComplex& complex, const topology::Face& face,

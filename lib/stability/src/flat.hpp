@@ -6,14 +6,18 @@
 #include <array>
 #include <vector>
 
+#include "cleave/geometry/flat_integrals.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/stability/actions.hpp"
 #include "cleave/topology/block_complex.hpp"
 
 namespace cleave::stability {
 
-/// Corners of a convex polygon in order.
-using Convex = std::vector<geometry::Vec3>;
+using geometry::clipped;
+using geometry::Convex;
+using geometry::integrate;
+using geometry::LinearPressure;
+using geometry::Moments;
 
 struct SignedTriangle {
   std::array<geometry::Vec3, 3> corners;
@@ -27,8 +31,6 @@ struct SignedTriangle {
 /// two coplanar faces lies in exactly one of them.
 [[nodiscard]] bool contains(const topology::BlockComplex& complex, const topology::Face& face, geometry::Vec3 x);
 
-/// The part of a convex polygon where normal.x <= offset.
-[[nodiscard]] Convex clipped(const Convex& polygon, geometry::Vec3 normal, double offset);
 /// The overlap of two triangles of one plane.
 [[nodiscard]] Convex overlap(const SignedTriangle& a, const SignedTriangle& b, geometry::Vec3 plane_normal);
 [[nodiscard]] Convex within(Convex polygon, const Box& box);
@@ -49,29 +51,5 @@ void for_each_shared(const topology::BlockComplex& complex, const topology::Face
     }
   }
 }
-
-/// Integral of a scalar q over an area, and of q x.
-struct Moments {
-  double total = 0;
-  geometry::Vec3 first;
-  Moments& operator+=(const Moments& other) noexcept {
-    total += other.total;
-    first += other.first;
-    return *this;
-  }
-  friend Moments operator*(double s, const Moments& m) noexcept { return {s * m.total, s * m.first}; }
-};
-
-/// p = a (b - up.x) where that is positive, 0 elsewhere.
-struct LinearPressure {
-  double slope;       ///< Pa/m
-  double level;       ///< m
-  geometry::Vec3 up;  ///< unit
-  [[nodiscard]] double at(geometry::Vec3 x) const noexcept { return slope * (level - geometry::dot(up, x)); }
-};
-/// Over the part of the polygon below the level; exact, the pressure being linear there.
-[[nodiscard]] Moments integrate(const Convex& polygon, const LinearPressure& pressure);
-/// q = 1.
-[[nodiscard]] Moments integrate(const Convex& polygon);
 
 }  // namespace cleave::stability
