@@ -112,7 +112,7 @@ class Batches final {
     judgement.tie = verdict.tie;
     judged_in_[slot_[id]] = batch;
     if (model_.settings().rotation == RotationCheck::decide && !verdict.key) {
-      judgement.rotation = rotation_of(model_, id, batch, contacts, verdict);
+      judgement.rotation = rotation_from_rest(model_, id, batch, contacts, verdict);
       if (judgement.rotation->turns) judgement.key = true;
     }
     const bool leaves = judgement.key && !std::ranges::binary_search(held_, id);

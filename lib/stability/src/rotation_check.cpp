@@ -1,11 +1,14 @@
 #include "rotation_check.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 #include <vector>
 
+#include "assembly_of.hpp"
+#include "cleave/assembly/groups.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "flat.hpp"
 #include "nonnegative.hpp"
@@ -167,6 +170,28 @@ Rotation rotation_of(Model& model, BlockId id, std::uint32_t batch, const Contac
   } else if (norm(left_moment) > 0) {
     result.axis = -left_moment / norm(left_moment);
   }
+  return result;
+}
+
+Rotation rotation_from_rest(Model& model, BlockId id, std::uint32_t batch, const Contacts& contacts,
+                            const Verdict& verdict) {
+  Rotation result = rotation_of(model, id, batch, contacts, verdict);
+  if (result.turns) return result;
+  const assembly::Start start = assembly::start_from_rest(assembly_of(model, std::array{id}, batch), 1);
+  if (start.found != assembly::FromRest::moves) return result;
+  const assembly::Rate& rate = start.motion.at(0);
+  double arm = 0;
+  const BlockComplex& complex = model.complex();
+  for (const topology::FaceId face : complex.blocks()[id].faces) {
+    for (const auto& loop : complex.loops(complex.faces()[face])) {
+      for (const topology::VertexId v : loop)
+        arm = std::max(arm, norm(complex.position(v) - complex.blocks()[id].centroid));
+    }
+  }
+  // What slides is judged by its factor of safety.
+  if (!(arm * norm(rate.spin) > 1e-3 * norm(rate.velocity))) return result;
+  result.turns = result.from_rest = true;
+  result.axis = geometry::normalized(rate.spin);
   return result;
 }
 

@@ -10,4 +10,8 @@ namespace cleave::stability {
 [[nodiscard]] Rotation rotation_of(Model& model, topology::BlockId id, std::uint32_t batch, const Contacts& contacts,
                                    const Verdict& verdict);
 
+/// The same, and where forces that hold it exist, whether it turns from rest all the same, all others fixed.
+[[nodiscard]] Rotation rotation_from_rest(Model& model, topology::BlockId id, std::uint32_t batch,
+                                          const Contacts& contacts, const Verdict& verdict);
+
 }  // namespace cleave::stability

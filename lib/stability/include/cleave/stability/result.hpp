@@ -22,9 +22,11 @@ enum class RotationCheck : std::uint8_t {
 ///
 /// It turns for certain when no forces at its contacts (compression, friction within the cone, cohesion spread evenly
 /// over each contact) balance the applied forces and their moments about its centroid: then no statics holds it. That
-/// such forces exist does not prove that it stands. Tension is not counted.
+/// such forces exist does not prove that it stands: friction of a joint behind it may hold it in one state of stress
+/// and let it turn from rest in another. Where rotation decides that counts, too. Tension is not counted.
 struct Rotation {
   bool turns = false;
+  bool from_rest = false;    ///< forces that hold it exist, but from rest it turns
   geometry::Vec3 axis = {};  ///< unit, through the centroid, right-handed; zero when it does not turn
   double lack = 0;           ///< what is left unbalanced over the load (moments over the block's reach); 0 when nothing
 };
