@@ -1,13 +1,14 @@
 /// Small random stacks, falling clusters and free clouds of blocks in three dimensions, convex or not, some tied to one
-/// another, as they are and turned by a quarter, mirrored or listed backwards: every accepted step meets the law and
-/// shares no space, no run gains energy without restitution, momentum and energy close, no tie bears more than its
-/// capacity or comes back, and the first steps do not depend on how it is written.
+/// another, some under loads or in water, as they are and turned by a quarter, mirrored or listed backwards: every
+/// accepted step meets the law and shares no space, no run gains energy without restitution, momentum and energy close,
+/// no tie bears more than its capacity or comes back, and the first steps do not depend on how it is written.
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -23,6 +24,8 @@ using namespace cleave::motion;
 struct Setting {
   std::vector<BodySpec> bodies;
   std::vector<Tie> ties = {};
+  std::vector<Load> loads = {};
+  std::optional<StillWater> water = {};
   double friction = 0;
   Vec3 gravity;
 };
@@ -52,6 +55,13 @@ Polyhedron random_shape(cleave::support::ByteSource& bytes) {
 
 double unit(cleave::support::ByteSource& bytes) { return (count_of(bytes, 254) - 127) / 127; }
 
+Vec3 near_middle(cleave::support::ByteSource& bytes, const BodySpec& body) {
+  Vec3 middle;
+  const std::vector<Vec3>& all = body.shape.vertices;
+  for (const Vec3 v : all) middle += v / static_cast<double>(all.size());
+  return middle + 0.2 * Vec3{unit(bytes), unit(bytes), unit(bytes)};
+}
+
 /// Ties from points near the middle of bodies, some of them weak and some without ductility.
 void add_ties(cleave::support::ByteSource& bytes, Setting& out) {
   const std::size_t count = bytes.up_to(6) < 4 || out.bodies.size() < 2 ? 0 : 1 + bytes.up_to(3);
@@ -59,12 +69,7 @@ void add_ties(cleave::support::ByteSource& bytes, Setting& out) {
     const auto body = static_cast<std::uint32_t>(bytes.up_to(out.bodies.size() - 1));
     const auto other = static_cast<std::uint32_t>(bytes.up_to(out.bodies.size() - 1));
     if (body == other) continue;
-    const auto end = [&](std::uint32_t b) {
-      Vec3 middle;
-      const std::vector<Vec3>& all = out.bodies[b].shape.vertices;
-      for (const Vec3 v : all) middle += v / static_cast<double>(all.size());
-      return middle + 0.2 * Vec3{unit(bytes), unit(bytes), unit(bytes)};
-    };
+    const auto end = [&](std::uint32_t b) { return near_middle(bytes, out.bodies[b]); };
     const Tie tie{.body = body,
                   .other = other,
                   .end = end(body),
@@ -73,6 +78,24 @@ void add_ties(cleave::support::ByteSource& bytes, Setting& out) {
                   .ductility = cleave::metres(0.05 * count_of(bytes, 3))};
     if (norm(tie.end - tie.other_end) > 0.1) out.ties.push_back(tie);
   }
+}
+
+/// Forces on bodies and between two, some of which end, and water about all of them.
+void add_loads(cleave::support::ByteSource& bytes, Setting& out) {
+  const std::size_t count = bytes.up_to(6) < 4 ? 0 : 1 + bytes.up_to(3);
+  for (std::size_t k = 0; k < count; ++k) {
+    Load load{.body = static_cast<std::uint32_t>(bytes.up_to(out.bodies.size() - 1))};
+    const auto other = static_cast<std::uint32_t>(bytes.up_to(out.bodies.size()));
+    if (other == load.body) continue;
+    if (other < out.bodies.size()) load.other = other;
+    load.at = near_middle(bytes, out.bodies[load.body]);
+    load.force = std::pow(10, unit(bytes)) * Vec3{unit(bytes), unit(bytes), unit(bytes)};
+    if (bytes.up_to(1) == 1) load.opens = load.slides = cleave::metres(0.01 + 0.02 * count_of(bytes, 5));
+    if (norm(load.force) > 0) out.loads.push_back(load);
+  }
+  if (bytes.up_to(6) < 5) return;
+  out.water = {.level = cleave::metres(2 * unit(bytes)),
+               .unit_weight = cleave::newtons_per_cubic_metre(9.81 * std::pow(10, unit(bytes)))};
 }
 
 Setting random_setting(cleave::support::ByteSource& bytes) {
@@ -105,6 +128,7 @@ Setting random_setting(cleave::support::ByteSource& bytes) {
     out.bodies.push_back({.shape = shapes::box({-6, -6, -1}, {6, 6, 0}), .fixed = true});
   }
   add_ties(bytes, out);
+  add_loads(bytes, out);
   return out;
 }
 
@@ -125,6 +149,11 @@ Setting mapped(Setting in, const Map& map, bool mirror) {
     tie.end = map(tie.end);
     tie.other_end = map(tie.other_end);
   }
+  for (Load& load : in.loads) {
+    load.at = map(load.at);
+    load.force = map(load.force);
+  }
+  if (in.water) in.water->up = map(in.water->up);
   return in;
 }
 
@@ -154,13 +183,18 @@ Outcome run(const Setting& setting, int steps, int early) {
   WorldOptions options{.gravity = setting.gravity, .step = 0.01};
   options.solver.accept = 1e-6;
   options.solver.patience = 1000;
-  auto made =
-      World::make({.bodies = setting.bodies, .surfaces = {{setting.friction, 0}}, .ties = setting.ties}, options);
+  auto made = World::make({.bodies = setting.bodies,
+                           .surfaces = {{setting.friction, 0}},
+                           .ties = setting.ties,
+                           .loads = setting.loads,
+                           .water = setting.water},
+                          options);
   if (!made) return out;
   out.made = true;
   double weight = 0;
   for (std::size_t b = 0; b < made->size(); ++b) weight += made->fixed(b) ? 0 : made->mass(b);
   out.scale = std::abs(made->energy().start) + weight * 9.81;
+  for (const Load& load : setting.loads) out.scale += norm(load.force);
   std::vector<TieState> before(setting.ties.size());
   for (int k = 0; k < steps; ++k) {
     const auto report = made->step();
@@ -195,6 +229,11 @@ CLEAVE_FUZZ_TARGET(input) {
     for (Tie& tie : other.ties) {
       tie.body = last - tie.body;
       tie.other = last - tie.other;
+    }
+    std::ranges::reverse(other.loads);
+    for (Load& load : other.loads) {
+      load.body = last - load.body;
+      if (load.other) load.other = last - *load.other;
     }
   }
   if (how == 0) return;

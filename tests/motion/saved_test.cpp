@@ -14,7 +14,7 @@ namespace {
 using namespace worlds;
 
 constexpr std::string_view kind = "cleave-motion-world";
-constexpr std::uint32_t version = 5;
+constexpr std::uint32_t version = 6;
 
 /// A cube that sleeps, and one that comes down on it and wakes it.
 World sleeper() {
@@ -66,6 +66,20 @@ World held() {
   return world(std::move(bodies), 0.5, {.step = 0.01});
 }
 
+/// A block that floats, beside one that water in a joint presses off its wall until it has drained.
+World flooded() {
+  SceneSpec scene{.bodies = {{.shape = box({-3, -3, -3}, {0, 3, 3}), .fixed = true},
+                             body(box({0, -0.5, 0}, {1, 0.5, 1})),
+                             body(box({2, 0, -0.6}, {3, 1, 0.4}))},
+                  .surfaces = {{0.4, 0}},
+                  .loads = {{.body = 1, .other = 0, .at = {0, 0, 0.4}, .force = {12, 0, 1}, .opens = metres(0.03)},
+                            {.body = 2, .at = {2.2, 0, 0}, .force = {0, 1, 0}}},
+                  .water = StillWater{.level = metres(0.1), .unit_weight = newtons_per_cubic_metre(15)}};
+  auto made = World::make(std::move(scene), {.step = 0.01});
+  if (!made) ADD_FAILURE() << describe(made.error());
+  return std::move(*made);
+}
+
 struct Kind {
   std::string name;
   std::function<World()> make;
@@ -81,7 +95,7 @@ void one_step(World& w, const Kind& kind_of, int at) {
 
 TEST(Saved, AWorldGoesOnAsIfItHadNotStopped) {
   for (const Kind& of : {Kind{"sleeper", sleeper, 60}, Kind{"cemented", [] { return cemented(); }, 40},
-                         Kind{"cloud", cloud, 40}, Kind{"held", held, 40, 20}}) {
+                         Kind{"cloud", cloud, 40}, Kind{"held", held, 40, 20}, Kind{"flooded", flooded, 40}}) {
     World whole = of.make();
     std::vector<std::string> saved;
     for (int k = 0; k < of.steps; ++k) {
@@ -109,6 +123,11 @@ TEST(Saved, TheWorldsHaveWhatTheyAreFor) {
   }
   EXPECT_TRUE(slept);
   EXPECT_TRUE(woke);
+  World wet = flooded();
+  for (int k = 0; k < 5; ++k) one_step(wet, {"flooded", flooded, 40}, k);
+  EXPECT_FALSE(wet.load_gone(0));
+  for (int k = 5; k < 20; ++k) one_step(wet, {"flooded", flooded, 40}, k);
+  EXPECT_TRUE(wet.load_gone(0));
   World c = cemented();
   std::size_t broken = 0;
   for (int k = 0; k < 40; ++k) {
@@ -137,6 +156,7 @@ TEST(Saved, WhatIsOfAnotherWorldOrDamagedIsRefused) {
   refused(cemented(), saved + " ", SavedFault::damaged);
   refused(cemented(0.31), saved, SavedFault::other_world);
   refused(sleeper(), saved, SavedFault::other_world);
+  refused(sleeper(), flooded().saved(), SavedFault::other_world);
   std::string inside{unsealed(kind, version, saved).value()};
   refused(cemented(), sealed(kind, version, inside + "x"), SavedFault::damaged);
   // Behind the name: the time and the last step, then the number of bodies.

@@ -24,7 +24,7 @@ void archive(A& a, Archived<Contact> auto& c) {
 }
 template <class A>
 void archive(A& a, Archived<Energy> auto& e) {
-  a(e.start, e.kinetic, e.potential, e.friction, e.lost, e.projected, e.carried, e.ground, e.closing_error,
+  a(e.start, e.kinetic, e.potential, e.friction, e.lost, e.projected, e.carried, e.ground, e.loads, e.closing_error,
     e.largest_gain);
 }
 
@@ -63,6 +63,10 @@ void archive(A& a, const Tie& t) {
   a(t.body, t.other, t.end, t.other_end, t.capacity.si(), t.ductility.si());
 }
 template <class A>
+void archive(A& a, const Load& l) {
+  a(l.body, l.other.has_value(), l.other.value_or(0), l.at, l.force, l.opens.si(), l.slides.si());
+}
+template <class A>
 void archive(A& a, Archived<TieRecord> auto& t) {
   a(t.force, t.lengthened, t.broken);
 }
@@ -70,11 +74,13 @@ void archive(A& a, Archived<TieRecord> auto& t) {
 namespace {
 
 constexpr std::string_view world_kind = "cleave-motion-world";
-constexpr std::uint32_t version_of_saved = 5;
+constexpr std::uint32_t version_of_saved = 6;
 
 std::string identity_of(const World::Impl& w) {
   ArchiveWriter a;
   for (const TieRecord& tie : w.ties) a(tie.tie);
+  for (const LoadRecord& load : w.loads) a(load.load);
+  if (w.water) a(w.water->level.si(), w.water->up, w.water->unit_weight.si());
   a(w.shapes, *w.cells, w.surfaces, w.bonds, w.extent, w.options.gravity, w.options.quasi_static, w.options.sleep);
   if (const GroundMotion& g = w.options.ground; g.mean) {
     const double end = g.end.si();
@@ -99,6 +105,11 @@ std::vector<std::uint8_t> broken_of(const World::Impl& w) {
   for (const BondState& bond : w.bonds) out.push_back(bond.broken ? 1 : 0);
   return out;
 }
+std::vector<std::uint8_t> gone_of(const World::Impl& w) {
+  std::vector<std::uint8_t> out;
+  for (const LoadRecord& load : w.loads) out.push_back(load.gone ? 1 : 0);
+  return out;
+}
 
 bool finite(double x) { return std::isfinite(x); }
 bool finite(Vec3 v) { return geometry::is_finite(v); }
@@ -113,7 +124,8 @@ bool bodies_are_sound(const World::Impl& w) {
   const std::size_t n = w.shapes.size();
   const Energy& e = w.energy;
   const std::array books{e.carried,   e.start,  e.kinetic,       e.potential,    e.friction,         e.lost,
-                         e.projected, e.ground, e.closing_error, e.largest_gain, w.largest_momentum, w.momentum_off};
+                         e.projected, e.ground, e.closing_error, e.largest_gain, w.largest_momentum, w.momentum_off,
+                         e.loads};
   const auto flag = [](std::uint8_t f) { return f <= 1; };
   return w.now >= 0 && finite(w.now) && w.last_step >= 0 && finite(w.last_step) && w.state.size() == n &&
          std::ranges::all_of(w.state, is_sound) && w.held.size() == n && std::ranges::all_of(w.held, flag) &&
@@ -154,7 +166,7 @@ std::string World::saved() const {
   a(identity_of(*impl_));
   archive_motion(a, std::as_const(*impl_));
   for (const BondState& bond : impl_->bonds) a(bond.impulse);
-  a(broken_of(*impl_), impl_->torn);
+  a(broken_of(*impl_), impl_->torn, gone_of(*impl_));
   for (const TieRecord& tie : impl_->ties) a(tie);
   return sealed(world_kind, version_of_saved, a.bytes());
 }
@@ -162,19 +174,21 @@ std::string World::saved() const {
 std::expected<void, SavedFault> World::restore(std::string_view saved) {
   CLEAVE_TRY(ArchiveReader a, unsealed_of(identity_of(*impl_), world_kind, version_of_saved, saved));
   Impl w = *impl_;
-  std::vector<std::uint8_t> broken;
+  std::vector<std::uint8_t> broken, gone;
   archive_motion(a, w);
   for (BondState& bond : w.bonds) a(bond.impulse);
-  a(broken, w.torn);
+  a(broken, w.torn, gone);
   for (TieRecord& tie : w.ties) a(tie);
-  const auto flags = [&](const std::vector<std::uint8_t>& of) {
-    return of.size() == w.bonds.size() && std::ranges::all_of(of, [](std::uint8_t b) { return b <= 1; });
+  const auto flags = [](const std::vector<std::uint8_t>& of, std::size_t count) {
+    return of.size() == count && std::ranges::all_of(of, [](std::uint8_t b) { return b <= 1; });
   };
-  if (!a.complete() || !bodies_are_sound(w) || !contacts_are_sound(w) || !flags(broken) || !flags(w.torn) ||
-      !std::ranges::all_of(w.bonds, bond_is_sound) || !std::ranges::all_of(w.ties, tie_is_sound)) {
+  if (!a.complete() || !bodies_are_sound(w) || !contacts_are_sound(w) || !flags(broken, w.bonds.size()) ||
+      !flags(w.torn, w.bonds.size()) || !flags(gone, w.loads.size()) || !std::ranges::all_of(w.bonds, bond_is_sound) ||
+      !std::ranges::all_of(w.ties, tie_is_sound)) {
     return std::unexpected(SavedFault::damaged);
   }
   for (std::size_t k = 0; k < w.bonds.size(); ++k) w.bonds[k].broken = broken[k] != 0;
+  for (std::size_t k = 0; k < w.loads.size(); ++k) w.loads[k].gone = gone[k] != 0;
   w.place_all(w.state, true);
   *impl_ = std::move(w);
   return {};

@@ -49,9 +49,9 @@ void World::Impl::drift_body(State& s, std::uint32_t b, double h) const {
 
 double World::Impl::longest_step(double at_most) const {
   double step = std::min(at_most, options.step);
-  const double g = strongest();
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (!moves(b)) continue;
+    const double g = hurry_of(b);
     const double turning = norm(spin(state[b], b));
     const double speed = norm(state[b].v) + turning * shapes[b].radius;
     const double far =
@@ -119,7 +119,7 @@ Group World::Impl::group_of(const Island& island, const std::vector<Touch>& list
   };
   for (const std::uint32_t b : island.bodies) {
     group.mass.push_back(mass_matrix(shapes[b], mid[b].turn));
-    group.free.push_back(stacked(mid[b].v + step * pull, spin(mid[b], b)));
+    group.free.push_back(stacked(mid[b].v, spin(mid[b], b)) + kick_of(b, mid, step));
   }
   const auto add = [&](std::uint32_t body, std::uint32_t other, Vec3 at, Vec3 normal) -> Point& {
     auto first = local(body), second = local(other);
@@ -145,14 +145,12 @@ Group World::Impl::group_of(const Island& island, const std::vector<Touch>& list
     p.start << dot(frame.n, t.impulse), dot(frame.t1, t.impulse), dot(frame.t2, t.impulse);
     p.b[0] = std::max(t.gap, 0.0) / step;
     // Speed of approach before the kick, where it closes in this step.
-    Vector6 before = group.free[p.body];
-    before.head<3>() -= step * Vector3d{pull.x, pull.y, pull.z};
-    double closing = p.on_body.col(0).dot(before);
-    if (p.other) {
-      before = group.free[*p.other];
-      before.head<3>() -= step * Vector3d{pull.x, pull.y, pull.z};
-      closing += p.on_other.col(0).dot(before);
-    }
+    const auto before = [&](std::uint32_t place) {
+      const std::uint32_t own = island.bodies[place];
+      return stacked(mid[own].v, spin(mid[own], own));
+    };
+    double closing = p.on_body.col(0).dot(before(p.body));
+    if (p.other) closing += p.on_other.col(0).dot(before(*p.other));
     const double back = rebound * std::min(a.restitution, b.restitution);
     if (back > 0 && closing < -slow && p.b[0] + closing < 0) p.b[0] = back * closing;
   }
@@ -238,7 +236,7 @@ std::vector<State> World::Impl::predict(double step, std::vector<double>& travel
     if (!moves(b)) continue;
     if (options.quasi_static) mid[b].v = mid[b].momentum = {};
     travel[b] =
-        step * (norm(mid[b].v) + step * strongest() + norm(spin(mid[b], b)) * shapes[b].radius) + 1e-6 * shapes[b].size;
+        step * (norm(mid[b].v) + step * hurry_of(b) + norm(spin(mid[b], b)) * shapes[b].radius) + 1e-6 * shapes[b].size;
     drift_body(mid[b], b, (1 - theta_of(b)) * step);
   }
   return mid;
@@ -260,8 +258,10 @@ void World::Impl::let_fall(const std::vector<State>& mid, double step, Attempt& 
   out.report = {};
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (!moves(b)) continue;
-    out.state[b].v += step * pull;
-    out.given += shapes[b].mass * step * pull;
+    const Wrench more = loads_of(b, mid);
+    out.state[b].v += step * (pull + more.force / shapes[b].mass);
+    out.state[b].momentum += step * mid[b].turn.back(more.moment);
+    out.given += step * (shapes[b].mass * pull + more.force);
   }
 }
 
@@ -411,6 +411,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tol
       if (!solved) return solved.error();
       kept = *solved;
       if (!kept) break;
+      out.loads = work_of_loads(mid, out.state, step);
       for (std::uint32_t b = 0; b < shapes.size(); ++b) {
         if (moves(b)) drift_body(out.state[b], b, theta_of(b) * step);
       }

@@ -45,6 +45,22 @@ std::string fault_of(const Tie& tie, std::size_t bodies) {
   return {};
 }
 
+std::string fault_of(const Load& load, std::size_t bodies) {
+  if (load.body >= bodies || (load.other && (*load.other >= bodies || *load.other == load.body)))
+    return "a load has no body, or twice the same";
+  if (!geometry::is_finite(load.at) || !geometry::is_finite(load.force)) return "a load is not finite";
+  if (!(norm(load.force) > 0)) return "a load has no force";
+  if (!(load.opens.si() > 0) || !(load.slides.si() > 0)) return "a load ends before it begins";
+  return {};
+}
+
+std::string fault_of(const StillWater& water) {
+  if (!std::isfinite(water.level.si()) || !(std::abs(norm(water.up) - 1) < 1e-9)) return "still water has no surface";
+  if (!(water.unit_weight.si() >= 0) || !std::isfinite(water.unit_weight.si()))
+    return "the unit weight of still water is negative";
+  return {};
+}
+
 std::expected<void, BadScene> add_body(const BodySpec& spec, std::size_t number, World::Impl& impl,
                                        std::vector<Cell>& cells) {
   const auto refuse = [&](std::string reason) {
@@ -93,6 +109,29 @@ std::expected<void, BadScene> add_body(const BodySpec& spec, std::size_t number,
   return {};
 }
 
+/// Bonds, ties, loads and water. What is wrong with them; empty: nothing.
+std::string add_what_joins(SceneSpec& scene, World::Impl& impl) {
+  const std::size_t bodies = scene.bodies.size();
+  for (Bond& bond : scene.bonds) {
+    if (std::string fault = fault_of(bond, bodies); !fault.empty()) return fault;
+    impl.add_bond(std::move(bond));
+  }
+  for (const Tie& tie : scene.ties) {
+    if (std::string fault = fault_of(tie, bodies); !fault.empty()) return fault;
+    impl.ties.push_back({.tie = tie, .length = norm(tie.end - tie.other_end)});
+  }
+  impl.loads_on.resize(bodies);
+  for (const Load& load : scene.loads) {
+    if (std::string fault = fault_of(load, bodies); !fault.empty()) return fault;
+    impl.add_load(load);
+  }
+  if (scene.water) {
+    if (std::string fault = fault_of(*scene.water); !fault.empty()) return fault;
+  }
+  impl.water = scene.water;
+  return {};
+}
+
 }  // namespace
 
 std::string describe(const BadScene& error) {
@@ -133,18 +172,7 @@ std::expected<World, BadScene> World::make(SceneSpec scene, WorldOptions options
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     if (auto made = add_body(scene.bodies[b], b, *impl, cells); !made) return std::unexpected(made.error());
   }
-  for (Bond& bond : scene.bonds) {
-    if (std::string fault = fault_of(bond, scene.bodies.size()); !fault.empty()) {
-      return std::unexpected(BadScene{"", fault});
-    }
-    impl->add_bond(std::move(bond));
-  }
-  for (const Tie& tie : scene.ties) {
-    if (std::string fault = fault_of(tie, scene.bodies.size()); !fault.empty()) {
-      return std::unexpected(BadScene{"", fault});
-    }
-    impl->ties.push_back({.tie = tie, .length = norm(tie.end - tie.other_end)});
-  }
+  if (std::string fault = add_what_joins(scene, *impl); !fault.empty()) return std::unexpected(BadScene{"", fault});
   const std::size_t n = scene.bodies.size();
   impl->asleep.assign(n, 0);
   impl->quiet.assign(n, 0);
@@ -220,7 +248,7 @@ std::expected<StepReport, StepFailed> World::step(double at_most) {
 }
 
 StepReport World::Impl::close(Attempt& done) {
-  const double before = energy.kinetic + energy.potential - energy.ground;
+  const double before = energy.kinetic + energy.potential - energy.ground - energy.loads;
   const auto broken = [](const TieRecord& t) { return t.broken; };
   const auto ties_broken = std::ranges::count_if(done.ties, broken) - std::ranges::count_if(ties, broken);
   accept(done);
@@ -228,13 +256,14 @@ StepReport World::Impl::close(Attempt& done) {
   energy.friction += done.friction;
   energy.lost -= done.work + done.scheme + done.friction;
   energy.projected += done.projected;
+  energy.loads += done.loads;
   const double total = energy.kinetic + energy.potential;
-  energy.largest_gain = std::max(energy.largest_gain, total - energy.ground - before - done.projected);
-  const double largest =
-      std::max({std::abs(energy.start), energy.kinetic, std::abs(energy.potential), energy.friction,
-                std::abs(energy.lost), std::abs(energy.projected), std::abs(energy.ground), energy.carried});
+  energy.largest_gain = std::max(energy.largest_gain, total - energy.ground - energy.loads - before - done.projected);
+  const double largest = std::max({std::abs(energy.start), energy.kinetic, std::abs(energy.potential), energy.friction,
+                                   std::abs(energy.lost), std::abs(energy.projected), std::abs(energy.ground),
+                                   std::abs(energy.loads), energy.carried});
   const double balance =
-      energy.start - energy.friction - energy.lost - energy.carried + energy.projected + energy.ground;
+      energy.start - energy.friction - energy.lost - energy.carried + energy.projected + energy.ground + energy.loads;
   energy.closing_error = largest > 0 ? std::abs(total - balance) / largest : 0;
   Vec3 momentum;
   StepReport& report = done.report;
@@ -253,6 +282,7 @@ StepReport World::Impl::close(Attempt& done) {
   report.time = now;
   report.contacts = contacts.size();
   report.broken = done.broken.size() + static_cast<std::size_t>(ties_broken);
+  end_loads(done.freed);
   sleep_and_wake(done);
   report.asleep = static_cast<std::size_t>(std::ranges::count(asleep, std::uint8_t{1}));
   return report;
@@ -293,7 +323,7 @@ void World::Impl::wake_touched() {
     for (std::uint32_t b = 0; b < shapes.size(); ++b) {
       travel[b] = 1e-6 * shapes[b].size;
       if (moves(b)) {
-        travel[b] += step * (norm(state[b].v) + step * strongest() + norm(spin(state[b], b)) * shapes[b].radius);
+        travel[b] += step * (norm(state[b].v) + step * hurry_of(b) + norm(spin(state[b], b)) * shapes[b].radius);
       }
     }
     bool any = wake_tied();

@@ -61,6 +61,15 @@ struct TieRecord {
   bool gives = false;  ///< in this step
 };
 
+struct LoadRecord {
+  Load load;
+  bool gone = false;
+};
+/// Force, N, and moment about the centroid, Nm.
+struct Wrench {
+  Vec3 force, moment;
+};
+
 /// Contact points and bodies that hang together.
 struct Island {
   std::vector<std::uint32_t> bodies;
@@ -89,7 +98,7 @@ struct Attempt {
   std::vector<TieRecord> ties;
   std::vector<std::uint32_t> freed;  ///< bodies of ties that broke
   StepReport report;
-  double work = 0, friction = 0, scheme = 0, projected = 0, gain = 0;
+  double work = 0, friction = 0, scheme = 0, projected = 0, gain = 0, loads = 0;
   Vec3 given;  ///< momentum, by loads and walls
 };
 
@@ -102,6 +111,9 @@ struct World::Impl {
   std::vector<BondState> bonds;
   std::vector<std::uint8_t> torn;  ///< by bond: it has no tension (any more)
   std::vector<TieRecord> ties;
+  std::vector<LoadRecord> loads;
+  std::vector<std::vector<std::uint32_t>> loads_on;  ///< by body
+  std::optional<StillWater> water;
   WorldOptions options;
   double extent = 0;
 
@@ -203,6 +215,23 @@ struct World::Impl {
   void lengthen_ties(Attempt& out) const;
   /// Wakes what hangs on something that moves; whether there was any.
   [[nodiscard]] bool wake_tied();
+
+  // loads.cpp
+  void add_load(const Load& load);
+  /// Where the point of a load is on its body, and where that of the other is, or was.
+  [[nodiscard]] std::pair<Vec3, Vec3> points_of(const Load& load, const std::vector<State>& s) const;
+  /// The force on its body as it is turned now.
+  [[nodiscard]] Vec3 force_of(const Load& load, const std::vector<State>& s) const;
+  [[nodiscard]] Wrench lift_of(std::uint32_t b, const State& s) const;
+  [[nodiscard]] Wrench loads_of(std::uint32_t b, const std::vector<State>& s) const;
+  /// Change of velocity and spin in a step by all that acts on a body but contacts.
+  [[nodiscard]] Vector6 kick_of(std::uint32_t b, const std::vector<State>& mid, double step) const;
+  /// m/s2, no less than any point of a body is accelerated by, as it is now, but by contacts.
+  [[nodiscard]] double hurry_of(std::uint32_t b) const;
+  /// Of the loads in a step, over the mean velocity of each body before and after its kick.
+  [[nodiscard]] double work_of_loads(const std::vector<State>& mid, const std::vector<State>& after, double step) const;
+  /// Those whose points have come apart act no more; what they held may move.
+  void end_loads(std::vector<std::uint32_t>& freed);
 
   // contacts.cpp
   void place_all(const std::vector<State>& s, bool everything);

@@ -140,11 +140,35 @@ struct TieState {
   bool broken = false;
 };
 
+/// A force on a body beside its weight. It acts at a point of it, whatever way that goes, for as long as `opens` and
+/// `slides` say. Between two bodies, as the pressure of water in the joint of both, it acts on each, the other way
+/// round, halfway between where the point has come to with the one and with the other, and turns with `other`. On one
+/// body alone it keeps its direction.
+struct Load {
+  std::uint32_t body = 0;
+  std::optional<std::uint32_t> other = {};
+  Vec3 at;     ///< m, at the start
+  Vec3 force;  ///< N, on `body`, at the start
+  /// Gone after the step in which its two points (of one body alone, the point and where it was) are farther apart
+  /// along the force than `opens`, or across it than `slides`.
+  Length opens = metres(std::numeric_limits<double>::infinity());
+  Length slides = metres(std::numeric_limits<double>::infinity());
+};
+
+/// Water at rest about all bodies: each is lifted by what its part below the level displaces, wherever it is.
+struct StillWater {
+  Length level = {};  ///< up.x of its surface
+  Vec3 up = {0, 0, 1};
+  UnitWeight unit_weight = newtons_per_cubic_metre(9810);
+};
+
 struct SceneSpec {
   std::vector<BodySpec> bodies;
   std::vector<Surface> surfaces = {{}};
   std::vector<Bond> bonds = {};
   std::vector<Tie> ties = {};
+  std::vector<Load> loads = {};
+  std::optional<StillWater> water = {};
 };
 
 struct BadScene {
@@ -241,7 +265,7 @@ struct Contact {
   bool bonded = false;
 };
 
-/// All of a run so far: kinetic + potential = start - friction - lost - carried + projected + ground.
+/// All of a run so far: kinetic + potential = start - friction - lost - carried + projected + ground + loads.
 struct Energy {
   double start = 0, kinetic = 0, potential = 0;
   double friction = 0;       ///< dissipated by slip
@@ -249,6 +273,7 @@ struct Energy {
   double projected = 0;      ///< brought in by parting bodies that overlap and by drawing ties to their length
   double carried = 0;        ///< kinetic, of bodies as `set_fixed` held them: out of the books
   double ground = 0;         ///< work of the ground's acceleration on all bodies, relative to it
+  double loads = 0;          ///< work of loads and of still water
   double closing_error = 0;  ///< of the balance, over its largest term
   double largest_gain = 0;   ///< in a step, without what parting brought in
 };
@@ -305,6 +330,8 @@ class World final {
 
   [[nodiscard]] const std::vector<Contact>& contacts() const noexcept;
   [[nodiscard]] TieState tie(std::size_t number) const;
+  /// Whether a load acts no more.
+  [[nodiscard]] bool load_gone(std::size_t number) const;
   /// Takes a tie away: it counts as broken from now on.
   void cut(std::size_t tie);
   [[nodiscard]] const Energy& energy() const noexcept;
