@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """No block that moves is called stable: tests/verdicts_in_motion.py CLEAVE [--first SEED] [--scenes N] [--seconds S]
 
-Draws small scenes of rock (slopes, trenches, boxes with open sides; two to four joint sets, some with cohesion), judges
-them with groups = "decide" and lets all their blocks go in motion, in the same run. A block that motion moves must be a
-key block, of a group, or in doubt. Motion knows nothing of the verdicts and shares the law of the contacts alone. Scenes
+Draws small scenes of rock (slopes, trenches, boxes with open sides; two to four joint sets, some with cohesion; half of
+the scenes with water, a surcharge or a seismic force), judges them with groups = "decide" and lets all their blocks go
+in motion, in the same run. A block that motion moves must be a key block, of a group, or in doubt. Motion knows nothing of the verdicts and shares the law of the contacts alone. Scenes
 that take longer than S seconds (60) are counted, and so are those that motion could not follow. Ends with 1 when a
 moving block has no verdict, and keeps its scene.
 """
@@ -62,6 +62,28 @@ def excavation(draw, kind, length):
     ]
 
 
+def acting(draw, length):
+    """Lines of [stability], none in half of the scenes, and whether the seismic force is to act in motion."""
+    if draw.random() < 0.5:
+        return [], "false"
+    lines, seismic = [], "false"
+    kind = draw.choice(["table", "pressures", "lake", "dry"])
+    if kind == "table":
+        lines.append(f"water = {{ table = {draw.uniform(0.3, 0.95) * length:.3f} }}")
+    elif kind == "pressures":
+        lines.append(f"water = {{ pressures = {{ S0 = {draw.uniform(1e3, 4e4):.1f} }} }}")
+    elif kind == "lake":
+        lines.append(f"water = {{ table = {draw.uniform(0.3, 1.2) * length:.3f}, free_faces = true }}")
+    if draw.random() < 0.4:
+        push = ", ".join(f"{draw.uniform(-0.15, 0.15):.3f}" for _ in range(3))
+        lines.append(f"seismic = [{push}]")
+        seismic = "true"
+    if draw.random() < 0.4:
+        traction = ", ".join(f"{draw.uniform(-2e4, 2e4):.1f}" for _ in range(3))
+        lines.append(f"surcharge = [{{ traction = [{traction}] }}]")
+    return lines, seismic
+
+
 def scene(seed):
     draw = random.Random(seed)
     kind = draw.choice(["slope", "trench", "box", "box", "box"])
@@ -83,7 +105,9 @@ def scene(seed):
             ['"top", "east"', '"top", "east", "west"', '"top", "east", "west", "north", "south"', '"bottom"', '"east"']
         )
         lines.append(f"free = [{sides}]")
-    lines += ["[motion]", 'release = "all"', "duration = 0.06", "step = 0.02", "frame = 0.06", "error = false"]
+    loads, seismic = acting(draw, length)
+    lines += loads
+    lines += ["[motion]", f"seismic = {seismic}", 'release = "all"', "duration = 0.06", "step = 0.02", "frame = 0.06", "error = false"]
     lines.append(f"surface_friction = {friction:.2f}")
     return "\n".join(lines) + "\n"
 

@@ -196,8 +196,8 @@ TEST(MotionStateTest, AnotherSceneOrADamagedStateIsRefused) {
   refused(heavier, state, "is of another scene");
   refused(slab("friction = 20\n", "frame = 0.03\n" + motion), state, "is of another scene");
   refused(slab("friction = 20\n", "ground = { acceleration = [0.1, 0, 0] }\n" + motion), state, "is of another scene");
-  const std::string inside{unsealed("cleave-motion-state", 3, state).value()};
-  refused(slab("friction = 20\n", motion), sealed("cleave-motion-state", 3, inside.substr(0, inside.size() - 9)),
+  const std::string inside{unsealed("cleave-motion-state", 4, state).value()};
+  refused(slab("friction = 20\n", motion), sealed("cleave-motion-state", 4, inside.substr(0, inside.size() - 9)),
           "is cut short or damaged");
 }
 

@@ -339,5 +339,58 @@ TEST(BartonBandisTest, SharesAPlaneWithAStraightJoint) {
               1e-12);
 }
 
+// What acts on blocks in motion, force by force, is what the verdict has in sum; a lake about all blocks is left out.
+TEST(SingleLoadsTest, AddUpToWhatTheVerdictHas) {
+  const Vec3 gravity{1, -0.5, -9.81};
+  std::size_t looked_at = 0, pairs = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const topology::CutInput input = random_rock(seed);
+    const auto audited_complex = topology::audit(topology::cut(input).value());
+    ASSERT_TRUE(audited_complex.has_value());
+    const topology::BlockComplex& complex = audited_complex->complex();
+    std::vector<BlockId> all;
+    for (const BlockId id : complex.blocks().ids()) all.push_back(id);
+    for (const bool lake : {false, true}) {
+      ActionSpec spec{.water = WaterTable{.level = 5.5, .on_free_faces = lake}};
+      spec.joint_pressure.resize(input.joints.size());
+      spec.or_table.resize(input.joints.size());
+      for (std::size_t j = 0; j < input.joints.size(); ++j) {
+        if (j % 3 == 0) spec.joint_pressure[j] = 20e3;
+        spec.or_table[j] = j % 2 == 0 ? 1 : 0;
+      }
+      spec.surcharges.push_back({.traction = {1e3, 5e3, -20e3}, .pressure = pascals(3e3)});
+      spec.points.push_back({.at = {4.5, 5, 4}, .force = {1e4, 0, -1e5}});
+      spec.lines.push_back({.from = {3, 2, 7}, .to = {6, 2, 7}, .per_metre = {0, 2e3, 1e4}});
+      const Actions acting = actions(spec);
+      const Actions still = actions({.water = WaterTable{.level = 5.5, .on_free_faces = true}});
+      const auto there = [](BlockId) { return true; };
+      const auto on_surface = surface_forces(complex, acting);
+      IdVector<BlockId, ForceSum> sums(complex.blocks().size());
+      for (const LoadOnBlock& load : loads_on(complex, acting, gravity, all)) {
+        sums[load.block].add(load.force, load.at - complex.blocks()[load.block].centroid);
+        EXPECT_EQ(load.neighbour.has_value(), load.contact.si() > 0);
+        pairs += load.neighbour ? 1U : 0U;
+      }
+      for (const BlockId id : all) {
+        ForceSum wanted = water_forces(complex, acting, gravity, id, there);
+        wanted.force += on_surface[id].force;
+        wanted.moment += on_surface[id].moment;
+        ForceSum got = sums[id];
+        if (lake) {
+          const ForceSum about = water_forces(complex, still, gravity, id, there);
+          got.force += about.force;
+          got.moment += about.moment;
+        }
+        const double scale = 1 + wanted.scale + on_surface[id].scale;
+        EXPECT_LT(norm(got.force - wanted.force), 1e-10 * scale) << seed << lake;
+        EXPECT_LT(norm(got.moment - wanted.moment), 1e-9 * scale) << seed << lake;
+        looked_at += norm(wanted.force) > 0 ? 1U : 0U;
+      }
+    }
+  }
+  EXPECT_GT(looked_at, 100U);
+  EXPECT_GT(pairs, 500U);
+}
+
 }  // namespace
 }  // namespace cleave::stability

@@ -6,52 +6,38 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <string_view>
+#include <string>
+
+#include "motion_loads.hpp"
 
 namespace cleave::scene {
 namespace {
 
 using topology::BlockId;
 
-/// "water on joints, the earthquake": what of the loads motion leaves out.
-std::string left_out_of(const LoadSet& loads) {
-  const stability::ActionSpec& actions = loads.actions.spec();
-  std::vector<std::string_view> out;
-  if (!loads.dry()) out.emplace_back("water on joints");
-  if (norm(loads.body.seismic()) > 0) out.emplace_back("seismic");
-  if (!actions.surcharges.empty()) out.emplace_back("surcharge");
-  if (!actions.points.empty()) out.emplace_back("point forces");
-  if (!actions.lines.empty()) out.emplace_back("line forces");
-  return fmt::format("{}", fmt::join(out, ", "));
-}
-
-/// Load cases of which motion has less than they say.
-std::string cases_left_out(const Scene& scene) {
-  std::vector<std::string> out;
-  for (const LoadCase& load : scene.stability->cases) {
-    const std::string loads = left_out_of(load.loads);
-    if (!loads.empty()) out.push_back(fmt::format("\"{}\" ({})", load.name, loads));
-  }
-  return fmt::format("{}", fmt::join(out, ", "));
-}
-
-void add_load_notes(const Scene& scene, std::vector<std::string>& notes) {
-  if (more_than_gravity(scene.stability->loads)) {
-    notes.push_back("motion: gravity alone acts on blocks in motion; the other loads of [stability] are left out: " +
-                    left_out_of(scene.stability->loads) + ". A block that only these bring down stands");
-  }
-  if (const std::string cases = cases_left_out(scene); !cases.empty()) {
-    notes.push_back("motion: gravity alone acts on blocks in motion, not the load cases " + cases);
-  }
-  if (reduces_strength(*scene.stability)) {
-    notes.emplace_back("motion: blocks in motion have their strength and weight as they are, without partial factors");
-  }
-}
-
 bool holds_when_opened(const Realization& made) {
   return std::ranges::any_of(made.joints, [](const auto& joint) {
     return joint.strength.cohesion().si() > 0 || joint.strength.tension().si() > 0;
   });
+}
+
+/// "block 3 at block 7": standing blocks that other rock bars at an edge or a corner, where the verdict knows nothing
+/// that bars.
+std::string barred_at_tips(const std::vector<StandingBlock>& standing, const MotionResult& result) {
+  std::vector<std::string> named;
+  for (const auto& [own, rock] : result.at_tips) {
+    if (!std::ranges::binary_search(standing, own, {}, &StandingBlock::block)) continue;
+    named.push_back(fmt::format("block {} at block {}", own.value(), rock.value()));
+  }
+  if (named.empty()) return {};
+  constexpr std::size_t most = 3;
+  const std::size_t more = named.size() - std::min(most, named.size());
+  named.resize(named.size() - more);
+  return fmt::format(
+      "rock beside their way bars them at an edge or a corner alone ({}{}), which is sharp and does not break here, "
+      "and "
+      "would be crushed",
+      fmt::join(named, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
 /// Which blocks stand against their verdict, and why they can.
@@ -63,12 +49,15 @@ void add_standing_note(const Scene& scene, const Realization& made, const std::v
   for (std::size_t k = 0; k < std::min(most, standing.size()); ++k) {
     named.push_back(fmt::format("block {} (factor of safety {:.4g})", standing[k].block.value(), standing[k].factor));
   }
-  std::string why = "forces locked between blocks may hold them";
+  const std::string tips = barred_at_tips(standing, result);
+  std::string why = tips.empty() ? "" : tips + "; ";
+  why += "forces locked between blocks may hold them";
   if (holds_when_opened(made)) why += ", and cohesion and tension of faces that open act until they part";
   if (!result.at_rest) why += "; or they are slow, and the run is short";
-  if (more_than_gravity(scene.stability->loads)) {
-    why += "; loads of the verdict that motion leaves out: " + left_out_of(scene.stability->loads);
+  if (const std::string out = left_out_of(scene.stability->loads, *scene.motion); !out.empty()) {
+    why += "; loads of the verdict that motion leaves out: " + out;
   }
+  if (result.loads && result.loads->drained > 0) why += "; water that has drained holds them no more";
   if (reduces_strength(*scene.stability)) why += "; partial factors of the verdict, which motion leaves out";
   if (!result.bolts.empty()) why += "; bolts hold what they lean on";
   result.notes.push_back(fmt::format(
@@ -97,12 +86,6 @@ void add_rest_notes(const Scene& scene, MotionResult& result) {
 }
 
 }  // namespace
-
-bool more_than_gravity(const LoadSet& loads) {
-  const stability::ActionSpec& actions = loads.actions.spec();
-  return norm(loads.body.seismic()) > 0 || !loads.dry() || !actions.surcharges.empty() || !actions.points.empty() ||
-         !actions.lines.empty();
-}
 
 bool reduces_strength(const StabilitySettings& settings) {
   return settings.partial.friction() != 1 || settings.partial.cohesion() != 1 || settings.partial.weight() != 1;
@@ -158,7 +141,10 @@ void add_motion_notes(const Scene& scene, const Realization& made, double accept
         result.may_be_locked));
   }
   add_standing_note(scene, made, standing_blocks(made, result), result);
-  add_load_notes(scene, notes);
+  add_load_notes(scene, result);
+  if (reduces_strength(*scene.stability)) {
+    notes.emplace_back("motion: blocks in motion have their strength and weight as they are, without partial factors");
+  }
 }
 
 }  // namespace cleave::scene

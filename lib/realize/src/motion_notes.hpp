@@ -7,9 +7,7 @@
 
 namespace cleave::scene {
 
-/// Loads that blocks in motion do not have.
-[[nodiscard]] bool more_than_gravity(const LoadSet& loads);
-/// Partial factors, which blocks in motion do not have either.
+/// Partial factors, which blocks in motion do not have.
 [[nodiscard]] bool reduces_strength(const StabilitySettings& settings);
 
 /// A block that block theory, or the judgement of blocks together, lets move and that stood in motion.

@@ -29,6 +29,15 @@ constexpr double at_once = 1e-9;
 /// Whether it pulls across a place of the bolt, m from the collar.
 bool crosses(const MotionCast::Tie& tie, double at) { return tie.leaves <= at && at < tie.anchored; }
 
+bool share_a_face(const BlockComplex& complex, BlockId block, BlockId other) {
+  for (const topology::FaceId face : complex.blocks()[block].faces) {
+    for (const topology::Patch& patch : complex.patches(complex.faces()[face])) {
+      if (patch.neighbour == other) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 std::string blocks_of(const MotionCast& cast, const std::vector<std::uint32_t>& bodies) {
@@ -82,11 +91,12 @@ void MotionRecorder::follow(const std::function<bool()>& stop) {
       result_.interrupted = true;
       return stop_because(fmt::format("interrupted at {:.6g} s", world_.time()));
     }
-    release();
+    const bool fresh = release() || result_.steps == 0;
     const double until = std::min(static_cast<double>(frame) * frame_, duration);
     const auto report = world_.step(until - world_.time());
     if (!report) return stop_because(describe(report.error()) + blocks_of(cast_, report.error().bodies));
     look_at(*report);
+    if (fresh) look_at_tips();
     if (world_.time() >= until - at_once) {
       record(world_.time());
       skip_frames();
@@ -118,15 +128,18 @@ void MotionRecorder::look_for_rest(const motion::StepReport& report) {
   result_.at_rest = place_.quiet >= resting_steps && now - place_.quiet_from >= resting_time - at_once;
 }
 
-/// Wave k of n goes at k/n of the duration.
-void MotionRecorder::release() {
+/// Wave k of n goes at k/n of the duration. Whether one went.
+bool MotionRecorder::release() {
   const double each = settings_.duration.si() / (waves_ + 1);
+  bool any = false;
   while (place_.released < waves_ && world_.time() >= each * (place_.released + 1) - at_once) {
     ++place_.released;
+    any = true;
     for (std::size_t k = 0; k < cast_.wave.size(); ++k) {
       if (cast_.wave[k] == place_.released) world_.set_fixed(k, false);
     }
   }
+  return any;
 }
 
 void MotionRecorder::look_at(const motion::StepReport& report) {
@@ -223,6 +236,15 @@ MotionResult MotionRecorder::close() {
   result_.carried_out = e.carried;
   result_.lifted = e.projected;
   if (settings_.ground) result_.work_of_ground = e.ground;
+  if (cast_.loaded) {
+    MotionLoads& loads = result_.loads.emplace();
+    loads.work = e.loads;
+    for (std::size_t k = 0; k < cast_.scene.loads.size(); ++k) {
+      (cast_.scene.loads[k].other ? loads.in_joints : loads.on_faces) += 1;
+      loads.drained += world_.load_gone(k) ? 1U : 0U;
+    }
+    loads.still_water = cast_.scene.water.has_value();
+  }
   result_.energy_error = e.closing_error;
   result_.momentum_error = world_.momentum_error();
   for (std::size_t t = 0; t < cut_.size(); ++t) {
@@ -239,6 +261,24 @@ MotionResult MotionRecorder::close() {
     block.centroid = complex_.origin() + world_.centroid(k);
   }
   return std::move(result_);
+}
+
+/// What blocks lean on without a face in common, in the step after they were let go: later they may sleep.
+void MotionRecorder::look_at_tips() {
+  std::vector<std::optional<BlockId>> block(world_.size());
+  for (std::uint32_t b = 0; b < cast_.body.size(); ++b) {
+    if (cast_.body[b] < block.size()) block[cast_.body[b]] = BlockId{b};
+  }
+  for (const motion::Contact& contact : world_.contacts()) {
+    if (!(norm(contact.force) > 0)) continue;
+    for (const auto& [own, other] : {std::pair{contact.body, contact.other}, std::pair{contact.other, contact.body}}) {
+      if (own >= result_.blocks.size() || !block[own] || !block[other]) continue;
+      if (!share_a_face(complex_, *block[own], *block[other])) result_.at_tips.push_back({*block[own], *block[other]});
+    }
+  }
+  std::ranges::sort(result_.at_tips);
+  const auto repeated = std::ranges::unique(result_.at_tips);
+  result_.at_tips.erase(repeated.begin(), repeated.end());
 }
 
 }  // namespace cleave::scene

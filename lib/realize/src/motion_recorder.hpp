@@ -29,6 +29,7 @@ struct MotionCast {
     double leaves = 0, anchored = 0;
   };
   std::vector<Tie> ties = {};
+  bool loaded = false;               ///< loads of the scene act
   bool supported = false;            ///< the bolts of the scene act
   std::size_t late_bolts = 0;        ///< through blocks that leave before they are put in
   std::size_t unsure_pulls = 0;      ///< left out, as their angle law does not say what they bear
@@ -61,12 +62,13 @@ class MotionRecorder final {
   [[nodiscard]] MotionResult close();
 
  private:
-  void release();
+  bool release();
   void look_at(const motion::StepReport& report);
   void look_at_fronts(std::size_t k);
   void look_for_rest(const motion::StepReport& report);
   void look_at_bolts();
   void count_bolts();
+  void look_at_tips();
   void record(double time);
   void stop_because(std::string why);
   [[nodiscard]] std::string identity() const;

@@ -12,6 +12,7 @@
 #include "cleave/core/parallel.hpp"
 #include "cleave/motion/world.hpp"
 #include "motion_bolts.hpp"
+#include "motion_loads.hpp"
 #include "motion_notes.hpp"
 #include "motion_recorder.hpp"
 
@@ -244,6 +245,7 @@ MotionCast cast_of(const Scene& scene, const MotionSettings& settings, const Rea
     ++cast.walls;
   }
   add_bonds(complex, made, body, cast);
+  add_loads(scene, settings, made, complex, around.gone, cast);
   cast.scene.surfaces = std::move(surfaces.list);
   return cast;
 }
@@ -272,8 +274,10 @@ void compare(const MotionResult& fine, const BlockComplex& complex, MotionResult
   result.error = metres(worst);
 }
 
-motion::WorldOptions options_of(const Scene& scene, const MotionSettings& settings) {
-  motion::WorldOptions options{.gravity = scene.stability->loads.body.gravity(), .step = settings.step.si()};
+motion::WorldOptions options_of(const Scene& scene, const MotionSettings& settings, const Realization& made) {
+  const stability::Loads loads = scene.stability->loads.body.with_seismic_times(made.seismic_factor);
+  motion::WorldOptions options{.gravity = loads.gravity(), .step = settings.step.si()};
+  if (settings.seismic) options.gravity += norm(loads.gravity()) * loads.seismic();
   options.solver.accept = accepted;
   options.solver.tolerate = tolerated;
   if (settings.ground) {
@@ -318,7 +322,7 @@ std::expected<MotionResult, Problem> run_motion(const Scene& scene, const Realiz
                                                 const BlockComplex& complex, const MovingRun& how) {
   MotionCast cast =
       cast_of(scene, *scene.motion, made, complex, waves_of(scene, made, complex), {.gone = {}, .all_free = true});
-  motion::WorldOptions options = options_of(scene, *scene.motion);
+  motion::WorldOptions options = options_of(scene, *scene.motion, made);
   add_ties(scene, made, complex, options, cast);
   auto world = motion::World::make(cast.scene, options);
   if (!world) {
@@ -401,11 +405,12 @@ LetGo let_go(const Scene& scene, const Realization& made, const BlockComplex& co
              const std::vector<std::uint8_t>& gone) {
   MotionSettings settings = scene.motion.value_or(MotionSettings{});
   settings.ground.reset();
+  settings.loads = settings.seismic = true;
   const Waves waves = around(group, complex, gone);
   if (static_cast<std::size_t>(std::ranges::count_if(waves, [](const auto& w) { return w.has_value(); })) > most_let_go)
     return LetGo::not_tried;
   const MotionCast cast = cast_of(scene, settings, made, complex, waves, {.gone = gone, .all_free = false});
-  auto world = motion::World::make(cast.scene, options_of(scene, settings));
+  auto world = motion::World::make(cast.scene, options_of(scene, settings, made));
   if (!world) return LetGo::stopped;
   while (world->time() < long_enough - 1e-9) {
     if (!world->step(long_enough - world->time())) return LetGo::stopped;
@@ -427,8 +432,7 @@ std::vector<std::optional<LetGo>> let_go(const Scene& scene, const Realization& 
     const stability::KeyGroup& group = groups.groups[k];
     if (group.verdict != assembly::Verdict::in_doubt) continue;
     // With partial factors motion has other strengths than the verdict.
-    if (tried.size() >= most_groups_let_go || more_than_gravity(scene.stability->loads) ||
-        reduces_strength(*scene.stability)) {
+    if (tried.size() >= most_groups_let_go || reduces_strength(*scene.stability)) {
       out[k] = LetGo::not_tried;
       continue;
     }

@@ -11,8 +11,8 @@ namespace cleave::scene {
                                                               const topology::BlockComplex& complex,
                                                               const MovingRun& how);
 
-/// Lets each group in doubt go for 0.2 s under gravity, with the blocks around it, all others walls. Batches
-/// before that of the group are gone.
+/// Lets each group in doubt go for 0.2 s under the loads of [stability], with the blocks around it, all others walls.
+/// Batches before that of the group are gone.
 [[nodiscard]] std::vector<std::optional<LetGo>> let_go(const Scene& scene, const Realization& made,
                                                        const topology::BlockComplex& complex,
                                                        const stability::KeyGroups& groups, unsigned threads);

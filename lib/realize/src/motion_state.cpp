@@ -49,15 +49,23 @@ void archive(A& a, Archived<MotionBolt> auto& b) {
   a(b.bolt, b.largest, b.broken_at);
 }
 template <class A>
+void archive(A& a, Archived<MotionTip> auto& t) {
+  std::uint32_t block = t.block.value(), rock = t.rock.value();
+  a(block, rock);
+  if constexpr (!std::is_const_v<std::remove_reference_t<decltype(t)>>) {
+    t = {topology::BlockId{block}, topology::BlockId{rock}};
+  }
+}
+template <class A>
 void archive(A& a, Archived<MotionResult> auto& r) {
   a(r.at_rest, r.steps, r.contacts, r.may_be_locked, r.rough_steps, r.missed_speed, r.residual, r.penetration,
-    r.overlap, r.frames, r.bolts);
+    r.overlap, r.frames, r.bolts, r.at_tips);
 }
 
 namespace {
 
 constexpr std::string_view state_kind = "cleave-motion-state";
-constexpr std::uint32_t version_of_state = 3;
+constexpr std::uint32_t version_of_state = 4;
 constexpr StateKind kind_of_state{.run = "a run of blocks in motion",
                                   .file = motion_state_name,
                                   .ties = "its blocks, joints, frames, ground or when blocks are let go"};

@@ -107,6 +107,12 @@ std::string motion_section(const scene::MotionResult& motion) {
                               display_count(motion.bolts_broken()) + " of them broke; largest force " +
                               display(motion.largest_bolt_force().si() / 1000, 4) + " kN");
   }
+  if (motion.loads) {
+    const scene::MotionLoads& loads = *motion.loads;
+    told += fact("Loads", "water in " + display_count(loads.in_joints) + " contacts of blocks, drained in " +
+                              display_count(loads.drained) + " of them; " + display_count(loads.on_faces) +
+                              " forces on free faces" + (loads.still_water ? "; water stands about the blocks" : ""));
+  }
   if (motion.left() > 0) {
     told += fact("Left the domain",
                  display_count(motion.left()) + ", at most " + display(motion.fastest_left(), 3) + " m/s");
@@ -117,6 +123,7 @@ std::string motion_section(const scene::MotionResult& motion) {
     told +=
         fact("Work of the ground's motion", display(*motion.work_of_ground / 1000, 4) + " kJ, seen from the ground");
   }
+  if (motion.loads) told += fact("Work of the loads", display(motion.loads->work / 1000, 4) + " kJ");
   told += fact("Kinetic energy at the end", display(motion.kinetic / 1000, 4) + " kJ");
   told += fact("Dissipated", display(motion.dissipated / 1000, 4) + " kJ");
   if (motion.left() > 0) told += fact("Carried out of the domain", display(motion.carried_out / 1000, 4) + " kJ");

@@ -13,6 +13,7 @@ namespace {
 
 constexpr NumberRule duration_rule{0, true, 1e4, false, " s"};
 constexpr NumberRule step_rule{1e-6, false, 1, false, " s"};
+constexpr NumberRule drains_rule{0, true, 1e3, false, " m"};
 constexpr std::array<std::string_view, 1> until_rest{"rest"};
 /// s; accelerograms have steps of 0.001 to 0.05 s.
 constexpr double longest_record_step = 1;
@@ -88,6 +89,14 @@ const KeyTable& motion_keys() {
           {"support", key::flag(), "true",
            "the bolts of `[support]` hold what they tie, along their axes, until they break; false: blocks move "
            "without"},
+          {"loads", key::flag(), "true",
+           "water in joints, surcharges, point and line forces of `[stability]` act; false: gravity alone"},
+          {"drains_at", key::number(drains_rule), "0.1",
+           "m: a joint that has opened by more has drained, and so has one that has slid by more than that and its own "
+           "size"},
+          {"seismic", key::flag(), "false",
+           "the static force of `seismic` of `[stability]` pushes for the whole run, to compare with the verdict; "
+           "what an earthquake does is `ground`"},
           {"ground", key::table(&moving_ground_keys), "at rest",
            "motion of all that is fixed: `{ acceleration, time }` or `{ record }`, see below"},
           {"error", key::flag(), "true", "runs again with half the step and says how far apart the two runs are"}}};
@@ -115,8 +124,18 @@ std::optional<MotionSettings> parse_motion(const TableReader& root, const std::o
   settings.restitution = table.value("restitution");
   settings.surface_friction = FrictionAngle::degrees(table.value("surface_friction"));
   settings.support = table.flag("support");
+  settings.loads = table.flag("loads");
+  settings.drains_at = metres(table.value("drains_at"));
+  settings.seismic = table.flag("seismic");
   settings.error = table.flag("error");
   parse_moving_ground(table, settings);
+  if (settings.seismic && settings.ground) {
+    table.error("seismic", "is true, but the ground moves as well: the earthquake would act twice",
+                "remove motion.seismic or motion.ground");
+  }
+  if (settings.seismic && stability && norm(stability->loads.body.seismic()) == 0) {
+    table.note("seismic", "is true, but [stability] has no seismic force", "give stability.seismic, or remove it");
+  }
   if (!stability && root.problems().errors() == 0) {
     root.error("motion", "lets blocks go, but nothing is free", "add an excavation or stability.free");
   }

@@ -134,35 +134,39 @@ Moments loaded(const BlockComplex& complex, const Face& face, const Surcharge& l
 
 }  // namespace
 
-IdVector<BlockId, ForceSum> surface_forces(const BlockComplex& complex, const Actions& actions) {
-  IdVector<BlockId, ForceSum> sums;
+void for_each_surface_load(const BlockComplex& complex, const Actions& actions,
+                           const std::function<void(BlockId, Vec3 force, Vec3 at)>& visit) {
   const ActionSpec& spec = actions.spec();
-  if (spec.surcharges.empty() && spec.points.empty() && spec.lines.empty()) return sums;
-  sums = IdVector<BlockId, ForceSum>(complex.blocks().size());
   for (const Surcharge& load : spec.surcharges) {
     for (const Face& face : complex.faces()) {
       const Moments area = loaded(complex, face, load);
       if (!(area.total > 0)) continue;
       const Vec3 centre = area.first / area.total;
       const Vec3 traction = load.traction - load.pressure.si() * face.outward;
-      sums[face.block].add(area.total * traction, centre - complex.blocks()[face.block].centroid);
+      visit(face.block, area.total * traction, centre);
     }
   }
   for (const PointForce& load : spec.points) {
     const Nearest nearest = nearest_free_face(complex, load.at);
     if (!nearest.face || nearest.distance > reach) continue;
-    const BlockId block = complex.faces()[*nearest.face].block;
-    sums[block].add(load.force, load.at - complex.blocks()[block].centroid);
+    visit(complex.faces()[*nearest.face].block, load.force, load.at);
   }
   for (const LineForce& load : spec.lines) {
     const Vec3 along = load.to - load.from;
     for (const Piece& piece : pieces_of(complex, load)) {
-      const BlockId block = complex.faces()[piece.face].block;
       const Vec3 middle = load.from + 0.5 * (piece.from + piece.to) * along;
-      sums[block].add((piece.to - piece.from) * norm(along) * load.per_metre,
-                      middle - complex.blocks()[block].centroid);
+      visit(complex.faces()[piece.face].block, (piece.to - piece.from) * norm(along) * load.per_metre, middle);
     }
   }
+}
+
+IdVector<BlockId, ForceSum> surface_forces(const BlockComplex& complex, const Actions& actions) {
+  const ActionSpec& spec = actions.spec();
+  if (spec.surcharges.empty() && spec.points.empty() && spec.lines.empty()) return {};
+  IdVector<BlockId, ForceSum> sums(complex.blocks().size());
+  for_each_surface_load(complex, actions, [&](BlockId block, Vec3 force, Vec3 at) {
+    sums[block].add(force, at - complex.blocks()[block].centroid);
+  });
   return sums;
 }
 

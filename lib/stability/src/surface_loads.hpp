@@ -1,6 +1,6 @@
 #pragma once
 
-#include <vector>
+#include <functional>
 
 #include "cleave/core/id.hpp"
 #include "cleave/stability/actions.hpp"
@@ -20,7 +20,11 @@ struct ForceSum {
   }
 };
 
-/// Surcharge, line and point forces, by block. Empty when there are none.
+/// Calls visit(block, force, at) for each of surcharge, line and point forces, N and m.
+void for_each_surface_load(
+    const topology::BlockComplex& complex, const Actions& actions,
+    const std::function<void(topology::BlockId, geometry::Vec3 force, geometry::Vec3 at)>& visit);
+/// The same summed up by block. Empty when there are none.
 [[nodiscard]] IdVector<topology::BlockId, ForceSum> surface_forces(const topology::BlockComplex& complex,
                                                                    const Actions& actions);
 

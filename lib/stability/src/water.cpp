@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "flat.hpp"
@@ -53,7 +54,106 @@ double over_patch(const BlockComplex& complex, const Face& face, const Patch& pa
   return all > 0 ? patch.area.si() / all * over_contact(complex, face, *patch.neighbour, pressure).total : 0;
 }
 
+/// Water at rest before a free side of the domain; none of other faces.
+std::optional<LinearPressure> standing_before(const Actions& actions, const Face& face) {
+  const ActionSpec& spec = actions.spec();
+  if (!spec.flow || face.role != topology::Role::free || face.excavation) return std::nullopt;
+  const auto still = std::ranges::find(spec.flow->standing, face.tag, &FlowWater::Standing::tag);
+  if (still == spec.flow->standing.end()) return std::nullopt;
+  return LinearPressure{spec.flow->unit_weight.si(), still->level, Vec3{0, 0, 1}};
+}
+
+/// The loads of water on one block, contact by contact.
+class WaterOnContacts {
+ public:
+  WaterOnContacts(const BlockComplex& complex, const Actions& actions, Vec3 gravity, std::vector<LoadOnBlock>& out)
+      : complex_{complex}, actions_{actions}, out_{out} {
+    const auto& water = actions.spec().water;
+    if (const double g = geometry::norm(gravity); water && g > 0) {
+      table_ = {water->unit_weight.si(), water->level, -gravity / g};
+      lake_ = water->on_free_faces;
+    }
+  }
+
+  void add(BlockId id) {
+    const ActionSpec& spec = actions_.spec();
+    if (spec.flow) {
+      for (const auto& [own, neighbour, heads, at] :
+           std::ranges::equal_range(spec.flow->contacts, id, {}, &FlowWater::Contact::block)) {
+        add(id, neighbour, spec.flow->unit_weight.si() * heads, at, area_of(id, neighbour));
+      }
+    }
+    for (const topology::FaceId face_id : complex_.blocks()[id].faces) {
+      const Face& face = complex_.faces()[face_id];
+      if (const auto still = standing_before(actions_, face))
+        push(face, std::nullopt, over_face(complex_, face, *still), {});
+      if (face.role != topology::Role::joint) continue;
+      std::vector<BlockId> neighbours;
+      for (const Patch& patch : complex_.patches(face)) {
+        if (patch.neighbour) neighbours.push_back(*patch.neighbour);
+      }
+      std::ranges::sort(neighbours);
+      neighbours.erase(std::ranges::unique(neighbours).begin(), neighbours.end());
+      for (const BlockId neighbour : neighbours) add(face, neighbour);
+    }
+  }
+
+ private:
+  void add(const Face& face, BlockId neighbour) {
+    double all = 0, by_table = 0;
+    for (const Patch& patch : complex_.patches(face)) {
+      if (patch.neighbour == neighbour) all += patch.area.si();
+    }
+    for (const Patch& patch : complex_.patches(face)) {
+      if (patch.neighbour != neighbour) continue;
+      const double area = patch.area.si();
+      const auto p = stated(actions_, patch);
+      if (p && !(p->or_table && table_ && over_patch(complex_, face, patch, *table_) > p->mean * area)) {
+        push(face, neighbour, {p->mean * area, p->mean * area * patch.centroid}, square_metres(all));
+        // A lake about the block presses there as well.
+        by_table -= lake_ ? area : 0;
+      } else {
+        by_table += lake_ ? 0 : area;
+      }
+    }
+    if (!table_ || by_table == 0 || !(all > 0)) return;
+    push(face, neighbour, (by_table / all) * over_contact(complex_, face, neighbour, *table_), square_metres(all));
+  }
+  void push(const Face& face, std::optional<BlockId> neighbour, const Moments& m, Area contact) {
+    if (m.total != 0) add(face.block, neighbour, -m.total * face.outward, m.first / m.total, contact);
+  }
+  void add(BlockId block, std::optional<BlockId> neighbour, Vec3 force, Vec3 at, Area contact) {
+    if (geometry::norm(force) > 0) out_.push_back({block, neighbour, force, at, contact});
+  }
+  [[nodiscard]] Area area_of(BlockId block, BlockId neighbour) const {
+    Area area;
+    for (const topology::FaceId face : complex_.blocks()[block].faces) {
+      for (const Patch& patch : complex_.patches(complex_.faces()[face])) {
+        if (patch.neighbour == neighbour) area += patch.area;
+      }
+    }
+    return area;
+  }
+
+  const BlockComplex& complex_;
+  const Actions& actions_;
+  std::vector<LoadOnBlock>& out_;
+  std::optional<LinearPressure> table_;
+  bool lake_ = false;
+};
+
 }  // namespace
+
+std::vector<LoadOnBlock> loads_on(const BlockComplex& complex, const Actions& actions, Vec3 gravity,
+                                  std::span<const BlockId> blocks) {
+  std::vector<LoadOnBlock> out;
+  WaterOnContacts water{complex, actions, gravity, out};
+  for (const BlockId block : blocks) water.add(block);
+  for_each_surface_load(complex, actions, [&](BlockId block, Vec3 force, Vec3 at) {
+    if (std::ranges::binary_search(blocks, block)) out.push_back({.block = block, .force = force, .at = at});
+  });
+  return out;
+}
 
 ForceSum water_forces(const BlockComplex& complex, const Actions& actions, Vec3 gravity, BlockId id,
                       const std::function<bool(BlockId)>& there) {
@@ -76,13 +176,7 @@ ForceSum water_forces(const BlockComplex& complex, const Actions& actions, Vec3 
   }
   for (const topology::FaceId face_id : block.faces) {
     const Face& face = complex.faces()[face_id];
-    if (face.role == topology::Role::free && spec.flow && !face.excavation) {
-      const auto still =
-          std::ranges::find_if(spec.flow->standing, [&](const auto& side) { return side.tag == face.tag; });
-      if (still != spec.flow->standing.end() && g > 0) {
-        push(face, over_face(complex, face, {spec.flow->unit_weight.si(), still->level, Vec3{0, 0, 1}}));
-      }
-    }
+    if (const auto still = standing_before(actions, face); still && g > 0) push(face, over_face(complex, face, *still));
     if (face.role == topology::Role::free) {
       if (table && spec.water->on_free_faces) push(face, over_face(complex, face, *table));
       continue;

@@ -64,6 +64,21 @@ struct MotionFrame {
   std::vector<Place> places;
 };
 
+/// A block, and rock that it presses against at an edge or a corner alone: the two share no face.
+struct MotionTip {
+  topology::BlockId block{0U}, rock{0U};
+  friend auto operator<=>(const MotionTip&, const MotionTip&) = default;
+};
+
+/// What acted on blocks in motion beside gravity.
+struct MotionLoads {
+  std::uint64_t in_joints = 0;  ///< contacts of blocks in which water presses
+  std::uint64_t drained = 0;    ///< of those, in which it does no more
+  std::uint64_t on_faces = 0;   ///< surcharges, point and line forces, standing water: forces on free faces
+  bool still_water = false;     ///< about all blocks, up to the table
+  double work = 0;              ///< of all loads
+};
+
 struct MotionResult {
   bool converged = false;
   std::string stopped_why = {};  ///< when not
@@ -82,12 +97,14 @@ struct MotionResult {
   double lifted = 0;                          ///< brought in by parting overlaps and drawing ties to their length
   std::uint64_t key_blocks_standing = 0;      ///< key blocks and blocks of groups that move which did not move
   std::optional<double> work_of_ground = {};  ///< empty: the ground is at rest
+  std::optional<MotionLoads> loads = {};      ///< empty: gravity alone
   std::optional<Length> error = {};           ///< estimate: distance from a run with half the step
   std::optional<Time> determined = {};        ///< until then; chaotic impacts part the two runs after it
   std::vector<MotionBlock> blocks = {};
   std::vector<MotionBolt> bolts = {};  ///< that act; by number
   bool supported = false;              ///< the scene has bolts, and they are asked for
   std::vector<MotionFrame> frames = {};
+  std::vector<MotionTip> at_tips = {};  ///< as blocks were let go, by block
   std::vector<std::string> notes = {};
   bool interrupted = false;  ///< `RunOptions::motion` said so
   std::string state = {};    ///< what a later run goes on from, see SavedRun
@@ -135,15 +152,26 @@ void fields(V& v, const MotionResult& x) {
   v("front_runout_m", x.front_runout(), "farthest level way of any corner of a block from where it was, at any time");
   v("energy", group([&](auto& w) {
       w("potential_lost", x.potential_lost,
-        "J; with lifted and work_of_ground it is kinetic + dissipated + carried_out, to relative_error");
+        "J; with lifted, work_of_ground and work_of_loads it is kinetic + dissipated + carried_out, to relative_error");
       w("kinetic", x.kinetic, "J, at the end");
       w("dissipated", x.dissipated, "J, by friction, impacts, bolts that yield and the scheme");
       w("carried_out", x.carried_out, "J, kinetic energy of blocks as they left the domain");
       w("lifted", x.lifted, "J, brought in by parting overlaps and drawing bolts to their length");
       w("work_of_ground", when(x.work_of_ground.has_value(), x.work_of_ground),
         "J, on the blocks as seen from the ground; absent where it is at rest");
+      w("work_of_loads", when(x.loads.has_value(), x.loads ? x.loads->work : 0),
+        "J, of water, surcharges, point and line forces; absent where none acts");
       w("relative_error", x.energy_error, "of the balance, over its largest term");
     }));
+  v("loads",
+    when(x.loads.has_value(), group([&](auto& w) {
+           const MotionLoads loads = x.loads.value_or(MotionLoads{});
+           w("in_joints", loads.in_joints, "contacts of two blocks in which water presses");
+           w("drained", loads.drained, "of those, in which it does no more: they have opened, or slid apart");
+           w("on_faces", loads.on_faces, "forces on free faces: surcharges, point and line forces, standing water");
+           w("still_water", loads.still_water, "whether water stands about the blocks, too");
+         })),
+    "What acts beside gravity; absent where nothing does, and with motion.loads = false.");
   v("bolts", when(x.supported, group([&](auto& w) {
                     w("acting", x.bolts.size(), "that tie a block that is let go to other rock");
                     w("broken", x.bolts_broken());
@@ -179,7 +207,7 @@ enum class LetGo : std::uint8_t {
   stayed,    ///< none of its blocks moved by a millimetre
   moved,     ///< one did
   stopped,   ///< the contact law could not be solved
-  not_tried  ///< more blocks than are let go, or loads that blocks in motion do not have
+  not_tried  ///< more blocks or groups than are let go, or partial factors, which blocks in motion do not have
 };
 /// "stayed", "moved", "stopped", "not_tried".
 [[nodiscard]] std::string_view name_of(LetGo outcome) noexcept;

@@ -318,8 +318,11 @@ struct MotionSettings {
   FrictionAngle surface_friction = FrictionAngle::degrees(35);  ///< of faces that are no joints
   bool support = true;                                          ///< bolts of [support] hold what they tie
   std::optional<TimeCourse<geometry::Vec3>> ground = {};        ///< m/s2, of all that is fixed; empty: at rest
-  bool error = true;                                            ///< a second run with half the step
-  std::uint32_t line = 1;                                       ///< in the scene file
+  bool loads = true;               ///< water, surcharges, point and line forces of [stability] act
+  bool seismic = false;            ///< its static seismic force acts all the time
+  Length drains_at = metres(0.1);  ///< opening of a joint beyond which its water presses no more
+  bool error = true;               ///< a second run with half the step
+  std::uint32_t line = 1;          ///< in the scene file
 };
 
 /// What becomes of the blocks that leave in one stage before the next one is excavated.

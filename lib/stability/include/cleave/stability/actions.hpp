@@ -125,4 +125,18 @@ struct Misplaced {
 };
 [[nodiscard]] std::vector<Misplaced> misplaced(const topology::BlockComplex& complex, const Actions& actions);
 
+/// A force on one block at a point: of what acts beside gravity and seismic force.
+struct LoadOnBlock {
+  topology::BlockId block;
+  std::optional<topology::BlockId> neighbour = {};  ///< across the joint in which water presses; none: a free face
+  geometry::Vec3 force;                             ///< N
+  geometry::Vec3 at;                                ///< m: where the resultant acts
+  Area contact = {};                                ///< of the two blocks, where there is a neighbour
+};
+/// All forces on these blocks (ascending), one by one, with the rock as it was cut; water in the joint of two of them
+/// is listed for each. Where the table stands on free faces, too, it is all about a block: what is listed then is what
+/// the joints have more, or less (pulls), than the table.
+[[nodiscard]] std::vector<LoadOnBlock> loads_on(const topology::BlockComplex& complex, const Actions& actions,
+                                                geometry::Vec3 gravity, std::span<const topology::BlockId> blocks);
+
 }  // namespace cleave::stability
