@@ -83,8 +83,9 @@ void add_cut_notes(const Scene& scene, const Realization& made, std::vector<std:
     for (std::size_t i = 0; i < report.dangling.size() && report.dangling.size() <= named; ++i) {
       which += (i == 0 ? ": " : ", ") + name_of(report.dangling[i], scene, made);
     }
-    notes.push_back(fmt::format("{} of {} joints end inside the rock and separate nothing{}", report.dangling.size(),
-                                joints, which));
+    const bool one = report.dangling.size() == 1;
+    notes.push_back(fmt::format("{} of {} joints {} inside the rock and {} nothing{}", report.dangling.size(), joints,
+                                one ? "ends" : "end", one ? "separates" : "separate", which));
   }
 }
 
@@ -94,8 +95,8 @@ void add_micro_note(const topology::BlockComplex& complex, const MicroBlocks& li
   if (found.empty()) return;
   double volume = 0;
   for (const topology::BlockId b : found) volume += complex.blocks()[b].volume.si();
-  notes.push_back(fmt::format("{} of {} blocks are micro-blocks ({:.3g} m3 in all){}", found.size(),
-                              complex.blocks().size(), volume,
+  notes.push_back(fmt::format("{} of {} blocks {} ({:.3g} m3 in all){}", found.size(), complex.blocks().size(),
+                              found.size() == 1 ? "is a micro-block" : "are micro-blocks", volume,
                               limits.policy == MicroBlockPolicy::exclude ? ": left out of stability" : ""));
 }
 

@@ -83,6 +83,11 @@ void add_below_target(const stability::KeyGroups& found, KeyGroupFigures& figure
 
 namespace {
 
+/// Never "1" for what moves.
+std::string words_of_factor(double factor) {
+  return factor < 1 && factor > 0.9995 ? "just below 1" : fmt::format("{:.3g}", factor);
+}
+
 /// Groups in doubt for one reason.
 struct Doubts {
   std::size_t groups = 0, blocks = 0;
@@ -123,8 +128,8 @@ void add_moving_group_notes(const stability::KeyGroups& groups, const stability:
   if (beyond > 0) {
     notes.push_back(
         fmt::format("{}{} key {} ({:.4g} m3) of blocks that do not all move by themselves, least factor of "
-                    "safety {:.3g}{}",
-                    where, beyond, beyond == 1 ? "group" : "groups", volume, least, see_groups));
+                    "safety {}{}",
+                    where, beyond, beyond == 1 ? "group" : "groups", volume, words_of_factor(least), see_groups));
   }
   if (weaker.groups > 0) {
     notes.push_back(fmt::format(
