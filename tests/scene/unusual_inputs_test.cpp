@@ -53,20 +53,20 @@ TEST(UnusualInputs, NumbersWithAUnitAreLookedAtAsBareOnesAre) {
            "\n[stability]\nfree = [\"top\"]\n";
   };
   EXPECT_EQ(texts(with("\"26 N/m3\"", "\"15 MPa\"")),
-            (Said{"rock.density is 26 N/m3 (2.65 kg/m3), which is far from usual (500 to 10000)",
-                  "joints.default.cohesion is 15 MPa (1.5e+07 Pa), which is far from usual (500 to 1e+07)"}));
+            (Said{"joints.default.cohesion is 15 MPa (1.5e+07 Pa), which is far from usual (500 to 1e+07)",
+                  "rock.density is 26 N/m3 (2.65 kg/m3), which is far from usual (500 to 10000)"}));
   EXPECT_EQ(remedies(with("\"26 N/m3\"", "\"15 MPa\"")),
-            (Said{"rock.density: if it is meant in kN/m3, write \"26 kN/m3\"",
-                  "joints.default.cohesion: if it is meant in kPa, write \"15 kPa\""}));
+            (Said{"joints.default.cohesion: if it is meant in kPa, write \"15 kPa\"",
+                  "rock.density: if it is meant in kN/m3, write \"26 kN/m3\""}));
   EXPECT_EQ(remedies(with("\"2.7 kg/m3\"", "\"20000 kPa\"")),
-            (Said{"rock.density: if it is meant in t/m3, write \"2.7 t/m3\"",
-                  "joints.default.cohesion: if it is meant in Pa, write \"20000 Pa\""}));
+            (Said{"joints.default.cohesion: if it is meant in Pa, write \"20000 Pa\"",
+                  "rock.density: if it is meant in t/m3, write \"2.7 t/m3\""}));
   EXPECT_EQ(remedies(with("\"0.027 kg/m3\"", "\"0.0015 Pa\"")),
-            (Said{"rock.density: if it is meant in MN/m3, write \"0.027 MN/m3\"",
-                  "joints.default.cohesion: if it is meant in MPa, write \"0.0015 MPa\""}));
+            (Said{"joints.default.cohesion: if it is meant in MPa, write \"0.0015 MPa\"",
+                  "rock.density: if it is meant in MN/m3, write \"0.027 MN/m3\""}));
   EXPECT_EQ(remedies(with("\"20 t/m3\"", "\"1e9 MPa\"")),
-            (Said{"rock.density: if it is meant in kN/m3, write \"20 kN/m3\"",
-                  "joints.default.cohesion: it is taken as it stands: check it"}));
+            (Said{"joints.default.cohesion: it is taken as it stands: check it",
+                  "rock.density: if it is meant in kN/m3, write \"20 kN/m3\""}));
   EXPECT_EQ(texts(with("\"26 kN/m3\"", "\"15 kPa\"")), Said{});
   EXPECT_EQ(texts(with("\"2.7 t/m3\"", "\"0 kPa\"")), Said{});
   // Of a vector the largest; of a uniform law, too.
@@ -283,7 +283,7 @@ TEST(UnusualInputs, TailsBelowAnUnstatedLimit) {
 TEST(UnusualInputs, SmallComponentsBesideUsualOnesAreUsual) {
   EXPECT_EQ(remedies(joints_and_rock + strength +
                      "[stability]\nfree = [\"top\"]\nseismic = [0.15, 0, 1e-5]\nwater = { pressures = { A = 60e3 } }\n"
-                     "surcharge = [{ traction = [3, 0, -90e3] }, { pressure = \"200 Pa\" }]\n"
+                     "surcharge = [{ traction = [3, 0, -90e3] }, { pressure = \"200 kPa\" }]\n"
                      "point = [{ at = [4, 4, 6], force = [0.5, 0, -200e3] }]\n"),
             Said{});
 }
