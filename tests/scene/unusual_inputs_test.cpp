@@ -67,6 +67,7 @@ TEST(UnusualInputs, NumbersWithAUnitAreLookedAtAsBareOnesAre) {
   EXPECT_EQ(remedies(with("\"20 t/m3\"", "\"1e9 MPa\"")),
             (Said{"joints.default.cohesion: it is taken as it stands: check it",
                   "rock.density: if it is meant in kN/m3, write \"20 kN/m3\""}));
+  EXPECT_EQ(texts(with("\"26 kg/m3\"", "0")), Said{"rock.density is 26 kg/m3, which is far from usual (500 to 10000)"});
   EXPECT_EQ(texts(with("\"26 kN/m3\"", "\"15 kPa\"")), Said{});
   EXPECT_EQ(texts(with("\"2.7 t/m3\"", "\"0 kPa\"")), Said{});
   // Of a vector the largest; of a uniform law, too.

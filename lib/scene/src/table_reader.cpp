@@ -173,12 +173,12 @@ void TableReader::note_unusual(std::span<const TomlNode> nodes, const std::strin
     at = &node;
   }
   if (rule.is_usual(largest)) return;
-  const auto unit_stated = unit_text_of(*at, rule);
-  const double number = unit_stated ? unit_stated->number : largest;
-  const auto unit = unit_stated ? likely_unit(number, unit_stated->unit->factor, rule) : likely_unit(number, rule);
-  const std::string stated =
-      unit_stated ? fmt::format("{} {} ({:.4g}{})", number, unit_stated->unit->symbol, largest, rule.unit)
-                  : fmt::format("{}{}", largest, rule.unit);
+  const auto text = unit_text_of(*at, rule);
+  const double number = text ? text->number : largest;
+  const auto unit = text ? likely_unit(number, text->unit->factor, rule) : likely_unit(number, rule);
+  const std::string stated = text && number != largest
+                                 ? fmt::format("{} {} ({:.4g}{})", number, text->unit->symbol, largest, rule.unit)
+                                 : fmt::format("{}{}", largest, rule.unit);
   problems_->note(
       at->line, path,
       fmt::format("is {}, which is far from usual ({:g} to {:g})", stated, rule.usual->low, rule.usual->high),
