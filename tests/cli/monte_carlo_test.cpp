@@ -95,7 +95,10 @@ TEST_F(MonteCarloTest, StagesThatAreNotCountedAreSaid) {
       "axis = [[6, 0, 3], [6, 8, 3]]\nstage = 2\n";
   write("s.toml", scene("realizations = 3") + second);
   ASSERT_EQ(cleave("run s.toml -o out").code, 0);
-  EXPECT_TRUE(read("out/log.txt").contains(stages));
+  EXPECT_TRUE(read("out/log.txt").contains(stages + "; a replay"));
+  write("s.toml", scene("realizations = 3") + second + "[support]\n");
+  ASSERT_EQ(cleave("run s.toml -o out").code, 0);
+  EXPECT_TRUE(read("out/log.txt").contains(stages + ", nor what the support leaves after one; a replay"));
 }
 
 // A slab of 1 m in the floor, dry and under a table 3 m above it. The scene has no excavation.

@@ -65,6 +65,122 @@ TEST(SupportScene, SpotBoltsAreThoseOfEveryLoad) {
               under.blocks.at(0).factor_with_support.value(), 1e-9);
 }
 
+/// A block of 1.5 m3 that can only slide to the east, down a plane of 45 degrees: stage 1 opens its side, stage 2 digs
+/// away what it stands on, stage 3 is far away. One bolt along its way out holds it from stage 1 on, against falling it
+/// has none before stage `hung_after`.
+std::string undercut(int hung_after, std::string_view rest) {
+  const std::string bolts =
+      "length = 4\ntendon_capacity = {0}e3\nplate_capacity = 500e3\nbond_strength = 500e3\nanchorage = 0.5\n";
+  return "[domain]\nbox = { min = [0, 0, 0], max = [12, 10, 12] }\n"
+         "[[joint]]\npolygon = [[5, 4.5, 5], [6, 4.5, 4], [6, 5.5, 4], [5, 5.5, 5]]\n"
+         "[[joint]]\npolygon = [[5, 4.5, 6], [6, 4.5, 6], [6, 5.5, 6], [5, 5.5, 6]]\n"
+         "[[joint]]\npolygon = [[5, 4.5, 5], [5, 5.5, 5], [5, 5.5, 6], [5, 4.5, 6]]\n"
+         "[[joint]]\npolygon = [[5, 4.5, 5], [6, 4.5, 4], [6, 4.5, 6], [5, 4.5, 6]]\n"
+         "[[joint]]\npolygon = [[5, 5.5, 5], [6, 5.5, 4], [6, 5.5, 6], [5, 5.5, 6]]\n"
+         "[joints.default]\nfriction = 40\n[rock]\ndensity = 2600\n"
+         "[[excavation]]\nname = \"east\"\nkind = \"polyhedron\"\nstage = 1\n"
+         "box = { min = [6, 2, 2], max = [9, 8, 8] }\n"
+         "[[excavation]]\nname = \"under\"\nkind = \"polyhedron\"\nstage = 2\n"
+         "corners = [[5, 4.5, 2], [6, 4.5, 2], [5, 5.5, 2], [6, 5.5, 2], [5, 4.5, 5], [6, 4.5, 4], [5, 5.5, 5], "
+         "[6, 5.5, 4]]\n"
+         "[[excavation]]\nname = \"far\"\nkind = \"polyhedron\"\nstage = 3\nbox = { min = [1, 1, 1], max = [2, 2, 2] "
+         "}\n"
+         "[stability]\ntarget = { falling = 1.5, sliding = 1.5 }\n"
+         "[support]\n[[support.bolts]]\nat = [[6, 5, 5]]\ndirection = [-1, 0, 0]\nafter_stage = 1\n" +
+         fmt::format(fmt::runtime(bolts), 60) + "[[support.bolts]]\nat = [[5.5, 5, 4.5]]\ndirection = [0, 0, 1]\n" +
+         fmt::format(fmt::runtime(bolts), 500) + fmt::format("after_stage = {}\n{}", hung_after, rest);
+}
+
+std::vector<std::uint64_t> key_blocks_of_stages(const RunResult& run) {
+  std::vector<std::uint64_t> out;
+  for (const StageResult& row : run.sequence.value().stages) out.push_back(row.key_blocks.count);
+  return out;
+}
+
+std::vector<bool> passing_stages(const RunResult& run) {
+  std::vector<bool> out;
+  for (const StageResult& row : run.sequence.value().stages) out.push_back(row.support.value().passes());
+  return out;
+}
+
+// What bolts hold after one stage has not fallen before the next: there they must hold it, too. Weight 38.25 kN.
+TEST(SupportScene, WhatIsHeldInOneStageIsThereInTheNext) {
+  using Stages = std::vector<std::uint32_t>;
+  for (const std::string_view fallen :
+       {"", "[sequence]\ncompare_orders = \"all\"\n", "[sequence]\nfallen = \"put_back\"\n"}) {
+    const RunResult late = run_of(undercut(3, fallen));
+    EXPECT_EQ(late.sequence->fallen, Fallen::put_back);
+    EXPECT_EQ(key_blocks_of_stages(late), (std::vector<std::uint64_t>{1, 1, 1}));
+    EXPECT_EQ(passing_stages(late), (std::vector{true, false, true}));
+    EXPECT_EQ(late.sequence->stages[1].support->not_held, 1U);
+    EXPECT_EQ(late.sequence->stages[2].support->not_held_before, 1U);
+    EXPECT_EQ(late.figures.support->failing_stages.value(), Stages{2});
+    EXPECT_EQ(1U, notes_with(late, "after stage 2 the support installed by then leaves 1 of 1 block"));
+    EXPECT_EQ(late.sequence->stages[0].new_key_blocks, 1U);
+    EXPECT_EQ(late.sequence->stages[1].new_key_blocks, 0U) << "it left in stage 1";
+    EXPECT_NEAR(late.sequence->stages[0].key_blocks.volume_m3, 1.5, 1e-9);
+  }
+  const RunResult soon = run_of(undercut(2, {}));
+  EXPECT_EQ(passing_stages(soon), (std::vector{true, true, true}));
+  EXPECT_EQ(soon.figures.support->failing_stages.value(), Stages{});
+  const RunResult orders = run_of(undercut(3, "[sequence]\ncompare_orders = [[1, 2, 3], [2, 1, 3]]\n"));
+  ASSERT_EQ(orders.sequence->orders.size(), 2U);
+  // In the other order the rock of stage 1 holds it.
+  EXPECT_EQ(orders.sequence->orders[1].new_key_blocks, (std::vector<std::uint64_t>{0, 1, 0}));
+}
+
+// So they must under a load that alone moves it, in groups and where blocks are let go stage by stage.
+TEST(SupportScene, WhatIsHeldInOneStageIsThereUnderLoadsAndInGroups) {
+  const std::string load = "[[load]]\nname = \"q\"\nseismic = [0.05, 0, 0]\n";
+  const RunResult run = run_of(undercut(3, load + "[motion]\nrelease = \"stage\"\nduration = 0.01\n"));
+  EXPECT_EQ(passing_stages(run), (std::vector{true, false, true}));
+  for (std::size_t k = 0; k < 3; ++k) {
+    const StageCase& under = run.sequence->stages[k].cases.at(0);
+    EXPECT_EQ(under.key_blocks.count, 1U);
+    EXPECT_EQ(under.not_held, k == 1 ? 1U : 0U);
+    EXPECT_EQ(under.fails(), k == 1);
+    ASSERT_TRUE(run.sequence->stages[k].groups.has_value());
+  }
+  EXPECT_EQ(run.figures.support->failing_stages.value(), std::vector<std::uint32_t>{2});
+  ASSERT_TRUE(run.motion.has_value());
+  std::string decided = undercut(3, {});
+  decided.replace(decided.find("[stability]\n"), 12, "[stability]\ngroups = \"decide\"\n");
+  EXPECT_EQ(run_of(decided).figures.support->failing_stages.value(), std::vector<std::uint32_t>{2});
+}
+
+TEST(SupportScene, BlocksThatFallBesideASupportAreRefused) {
+  EXPECT_TRUE(
+      error_of(undercut(3, "[sequence]\nfallen = \"stay_out\"\n"))
+          .ends_with(": sequence.fallen: takes out after each stage what the support may hold, and what it holds "
+                     "must be held later; remove it, or write \"put_back\"; for the blocks that fall without "
+                     "support remove [support]"));
+  std::string bare = undercut(3, "[sequence]\nfallen = \"stay_out\"\n");
+  bare.erase(bare.find("[support]"), bare.find("[sequence]") - bare.find("[support]"));
+  EXPECT_EQ(key_blocks_of_stages(run_of(bare)), (std::vector<std::uint64_t>{1, 0, 0}));
+  bare.erase(bare.find("[sequence]"));
+  EXPECT_EQ(run_of(bare).sequence->fallen, Fallen::stay_out);
+}
+
+// An ensemble takes no supported block out either; its figures are those of the last stage, the replay has all stages.
+TEST(SupportScene, EnsemblesKeepWhatBoltsHoldAndReplaysJudgeEveryStage) {
+  const Scene scene =
+      scene_of(undercut(3, "[sequence]\ncompare_orders = [[1, 2, 3], [3, 1, 2]]\n[monte_carlo]\nrealizations = 2\n"));
+  std::size_t seen = 0;
+  StageTimer timer;
+  realize(scene, nullptr, 0, 2, timer, [&](std::uint64_t, const Realization* made) {
+    ASSERT_TRUE(made != nullptr && made->sequence.has_value());
+    EXPECT_EQ(made->sequence->fallen, Fallen::put_back);
+    for (const StageResult& row : made->sequence->stages) EXPECT_EQ(row.key_blocks.count, 1U);
+    EXPECT_TRUE(made->support.value().passes());
+    ++seen;
+  });
+  EXPECT_EQ(seen, 2U);
+  Progress progress{ProgressStyle::quiet};
+  const auto replayed = run(scene, {.threads = 1, .realization = 1}, timer, progress);
+  ASSERT_TRUE(replayed.has_value());
+  EXPECT_EQ(replayed->figures.support->failing_stages.value(), std::vector<std::uint32_t>{2});
+}
+
 // What stands for a stage before the last alone is bought as well.
 TEST(SupportScene, SpotBoltsOfAStageAreListed) {
   const RunResult run = run_of(

@@ -45,6 +45,39 @@ TEST(UnusualInputs, LoadsInKiloUnitsNameTheUnit) {
                   "stability.line[1].force_per_metre: if it is meant in kN/m, write \"-50 kN/m\""}));
 }
 
+// A unit that is stated may be the wrong one.
+TEST(UnusualInputs, NumbersWithAUnitAreLookedAtAsBareOnesAre) {
+  const std::string planes = joints_and_rock.substr(0, joints_and_rock.find("[rock]"));
+  const auto with = [&](const std::string& density, const std::string& cohesion) {
+    return planes + "[rock]\ndensity = " + density + "\n[joints.default]\nfriction = 30\ncohesion = " + cohesion +
+           "\n[stability]\nfree = [\"top\"]\n";
+  };
+  EXPECT_EQ(texts(with("\"26 N/m3\"", "\"15 MPa\"")),
+            (Said{"joints.default.cohesion is 15 MPa (1.5e+07 Pa), which is far from usual (500 to 1e+07)",
+                  "rock.density is 26 N/m3 (2.65 kg/m3), which is far from usual (500 to 10000)"}));
+  EXPECT_EQ(remedies(with("\"26 N/m3\"", "\"15 MPa\"")),
+            (Said{"joints.default.cohesion: if it is meant in kPa, write \"15 kPa\"",
+                  "rock.density: if it is meant in kN/m3, write \"26 kN/m3\""}));
+  EXPECT_EQ(remedies(with("\"2.7 kg/m3\"", "\"20000 kPa\"")),
+            (Said{"joints.default.cohesion: if it is meant in Pa, write \"20000 Pa\"",
+                  "rock.density: if it is meant in t/m3, write \"2.7 t/m3\""}));
+  EXPECT_EQ(remedies(with("\"0.027 kg/m3\"", "\"0.0015 Pa\"")),
+            (Said{"joints.default.cohesion: if it is meant in MPa, write \"0.0015 MPa\"",
+                  "rock.density: if it is meant in MN/m3, write \"0.027 MN/m3\""}));
+  EXPECT_EQ(remedies(with("\"20 t/m3\"", "\"1e9 MPa\"")),
+            (Said{"joints.default.cohesion: it is taken as it stands: check it",
+                  "rock.density: if it is meant in kN/m3, write \"20 kN/m3\""}));
+  EXPECT_EQ(texts(with("\"26 kg/m3\"", "0")), Said{"rock.density is 26 kg/m3, which is far from usual (500 to 10000)"});
+  EXPECT_EQ(texts(with("\"26 kN/m3\"", "\"15 kPa\"")), Said{});
+  EXPECT_EQ(texts(with("\"2.7 t/m3\"", "\"0 kPa\"")), Said{});
+  // Of a vector the largest; of a uniform law, too.
+  EXPECT_EQ(remedies(joints_and_rock + strength +
+                     "[stability]\nfree = [\"top\"]\npoint = [{ at = [4, 4, 6], force = [10, 0, \"-200 N\"] }]\n"),
+            Said{"stability.point[1].force: if it is meant in kN, write \"-200 kN\""});
+  EXPECT_EQ(remedies(with("2700", "{ distribution = \"uniform\", min = 0, max = \"20 MPa\" }")),
+            Said{"joints.default.cohesion.max: if it is meant in kPa, write \"20 kPa\""});
+}
+
 TEST(UnusualInputs, GravityIsThatOfAPlanet) {
   const auto with = [](const std::string& gravity) {
     return texts(joints_and_rock + strength + "[stability]\nfree = [\"top\"]\ngravity = " + gravity + "\n");
@@ -99,7 +132,14 @@ TEST(UnusualInputs, AnglesThatMayBeRadiansAreSaid) {
   EXPECT_EQ(with("plunge = 0.785, trend = 4.71"),
             (Said{"joint[1].plane.plunge is 0.785 beside trend = 4.71, in degrees"}));
   EXPECT_EQ(with("dip = 1, dip_direction = 5"), Said{});
-  EXPECT_EQ(with("dip = 0.785, dip_direction = 64.5"), Said{});
+  // The dip alone; level beds are stated to a tenth of a degree at most.
+  EXPECT_EQ(with("dip = 0.663, dip_direction = 90"),
+            (Said{"joint[1].plane.dip is 0.663 beside dip_direction = 90, in degrees"}));
+  EXPECT_EQ(with("plunge = 0.785, trend = 64.5"),
+            (Said{"joint[1].plane.plunge is 0.785 beside trend = 64.5, in degrees"}));
+  for (const char* level : {"0.5", "1.3", "0.01", "1", "2.25", "\"0.663 deg\"", "\"0.663 rad\""}) {
+    EXPECT_EQ(with(std::string{"dip = "} + level + ", dip_direction = 64.5"), Said{}) << level;
+  }
   EXPECT_EQ(with("dip = \"0.785 deg\", dip_direction = \"4.71 deg\""), Said{});
 }
 
@@ -244,7 +284,7 @@ TEST(UnusualInputs, TailsBelowAnUnstatedLimit) {
 TEST(UnusualInputs, SmallComponentsBesideUsualOnesAreUsual) {
   EXPECT_EQ(remedies(joints_and_rock + strength +
                      "[stability]\nfree = [\"top\"]\nseismic = [0.15, 0, 1e-5]\nwater = { pressures = { A = 60e3 } }\n"
-                     "surcharge = [{ traction = [3, 0, -90e3] }, { pressure = \"200 Pa\" }]\n"
+                     "surcharge = [{ traction = [3, 0, -90e3] }, { pressure = \"200 kPa\" }]\n"
                      "point = [{ at = [4, 4, 6], force = [0.5, 0, -200e3] }]\n"),
             Said{});
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "cleave/core/assert.hpp"
+
 namespace cleave::scene {
 namespace {
 
@@ -75,6 +77,7 @@ std::vector<topology::BlockId> micro_blocks(const topology::BlockComplex& comple
 
 SequenceResult judge_stages(const Scene& scene, const topology::SequentialCut& cut,
                             const topology::StageBlocks& final_state, const Judge& judge) {
+  CLEAVE_ASSERT(!scene.support || scene.sequence->fallen == Fallen::put_back);
   std::vector<std::uint32_t> stages;
   std::vector<std::string> names;
   for (const Excavation& excavation : scene.excavations) {

@@ -82,9 +82,10 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
         "[[load]] stands in load_cases");
   }
   if (scene.stability && scene.sequence) {
-    page.result.figures.notes.push_back(
+    page.result.figures.notes.push_back(fmt::format(
         "key blocks and support are those of the rock when all is excavated: what moves only in a stage before the "
-        "last is not in these figures; a replay of a realization judges every stage");
+        "last is not in these figures{}; a replay of a realization judges every stage",
+        scene.support ? ", nor what the support leaves after one" : ""));
   }
   if (scene.stability && scene.stability->group_factor) {
     page.result.figures.notes.push_back(

@@ -9,6 +9,7 @@
 
 #include "cleave/core/assert.hpp"
 #include "cleave/core/nearest.hpp"
+#include "unit_text.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -24,6 +25,20 @@ std::string list_of(std::span<const std::string_view> words) {
   std::string text;
   for (const std::string_view word : words) text += (text.empty() ? "" : ", ") + std::string{word};
   return text;
+}
+
+/// As a text with a unit.
+std::optional<UnitText> unit_text_of(const TomlNode& node, const NumberRule& rule) {
+  const auto* text = std::get_if<std::string>(&node.value);
+  return text != nullptr ? unit_text(*text, rule) : std::nullopt;
+}
+
+/// With or without a unit; 0 where it is no number.
+double plain_value_of(const TomlNode& node, const NumberRule& rule) {
+  if (const auto* whole = std::get_if<std::int64_t>(&node.value)) return static_cast<double>(*whole);
+  if (const auto* real = std::get_if<double>(&node.value)) return *real;
+  const auto stated = unit_text_of(node, rule);
+  return stated ? to_unit(stated->number, *stated->unit) : 0;
 }
 
 /// How numbers of an array are written: "a, b".
@@ -150,23 +165,25 @@ void TableReader::note_unusual(std::string_view key, const NumberRule& rule) con
 void TableReader::note_unusual(std::span<const TomlNode> nodes, const std::string& path, const NumberRule& rule) const {
   if (!rule.usual) return;
   double largest = 0;
-  std::uint32_t line = line_;
+  const TomlNode* at = nullptr;
   for (const TomlNode& node : nodes) {
-    const auto* whole = std::get_if<std::int64_t>(&node.value);
-    const auto* real = std::get_if<double>(&node.value);
-    const double value = whole != nullptr ? static_cast<double>(*whole) : real != nullptr ? *real : 0;
+    const double value = plain_value_of(node, rule);
     if (std::isnan(value) || std::abs(value) <= std::abs(largest)) continue;
     largest = value;
-    line = node.line;
+    at = &node;
   }
   if (rule.is_usual(largest)) return;
-  const auto unit = likely_unit(largest, rule);
-  const std::string_view otherwise = rule.usual->otherwise;
-  problems_->note(line, path,
-                  fmt::format("is {}{}, which is far from usual ({:g} to {:g})", largest, rule.unit, rule.usual->low,
-                              rule.usual->high),
-                  unit ? fmt::format("if it is meant in {0}, write \"{1} {0}\"", *unit, largest)
-                       : std::string{otherwise.empty() ? "it is taken as it stands: check it" : otherwise});
+  const auto text = unit_text_of(*at, rule);
+  const double number = text ? text->number : largest;
+  const auto unit = text ? likely_unit(number, text->unit->factor, rule) : likely_unit(number, rule);
+  const std::string stated = text && number != largest
+                                 ? fmt::format("{} {} ({:.4g}{})", number, text->unit->symbol, largest, rule.unit)
+                                 : fmt::format("{}{}", largest, rule.unit);
+  problems_->note(
+      at->line, path,
+      fmt::format("is {}, which is far from usual ({:g} to {:g})", stated, rule.usual->low, rule.usual->high),
+      unit ? fmt::format("if it is meant in {0}, write \"{1} {0}\"", *unit, number)
+           : std::string{rule.usual->otherwise.empty() ? "it is taken as it stands: check it" : rule.usual->otherwise});
 }
 
 std::optional<double> TableReader::number_of(const TomlNode& node, const std::string& path,

@@ -3,8 +3,7 @@
 #include <cmath>
 #include <memory>
 
-#include "cleave/core/units.hpp"
-#include "cleave/scene/keys.hpp"
+#include "unit_text.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -19,7 +18,7 @@ const UnitKind* kind_of(const NumberRule& rule) {
 
 }  // namespace
 
-std::optional<double> with_unit(string_view text, const NumberRule& rule) {
+std::optional<UnitText> unit_text(string_view text, const NumberRule& rule) {
   const UnitKind* kind = kind_of(rule);
   if (kind == nullptr) return std::nullopt;
   double value = 0;
@@ -31,7 +30,12 @@ std::optional<double> with_unit(string_view text, const NumberRule& rule) {
   while (symbol.ends_with(' ')) symbol.remove_suffix(1);
   const auto unit = std::ranges::find(kind->units, symbol, &Unit::symbol);
   if (unit == kind->units.end()) return std::nullopt;
-  return to_unit(value, *unit);
+  return UnitText{value, std::to_address(unit)};
+}
+
+std::optional<double> with_unit(string_view text, const NumberRule& rule) {
+  const auto stated = unit_text(text, rule);
+  return stated ? std::optional{to_unit(stated->number, *stated->unit)} : std::nullopt;
 }
 
 std::string unit_example(const NumberRule& rule) {
@@ -52,12 +56,14 @@ bool NumberRule::is_usual(double v) const noexcept {
   return !usual || size == 0 || (size >= usual->low && size <= usual->high);
 }
 
-std::optional<string_view> likely_unit(double bare, const NumberRule& rule) {
+std::optional<string_view> likely_unit(double bare, const NumberRule& rule) { return likely_unit(bare, 1, rule); }
+
+std::optional<string_view> likely_unit(double number, double factor, const NumberRule& rule) {
   const UnitKind* kind = kind_of(rule);
   if (kind == nullptr || !rule.usual) return std::nullopt;
   for (const Unit& unit : kind->units) {
-    const double value = std::abs(bare) * unit.factor;
-    const bool of_other_size = unit.factor < 0.5 || unit.factor > 2;  // gon for degrees is no slip that shows
+    const double value = std::abs(number) * unit.factor, times = unit.factor / factor;
+    const bool of_other_size = times < 0.5 || times > 2;  // gon for degrees is no slip that shows
     if (of_other_size && value >= rule.usual->low && value <= rule.usual->high) return unit.symbol;
   }
   return std::nullopt;

@@ -39,9 +39,17 @@ bool swapped(const TableReader& table) {
 
 /// Bare angles, both small and not both whole, may be radians.
 void note_radians(const TableReader& table, std::string_view inclination, std::string_view bearing) {
-  constexpr double right_angle = 1.571, whole_turn = 6.284;
+  constexpr double right_angle = 1.571, whole_turn = 6.284, least_radians = 0.052;
   const auto a = bare(table, inclination), b = bare(table, bearing);
-  if (!a || !b || *a > right_angle || *b > whole_turn) return;
+  if (!a || !b || *a > right_angle) return;
+  if (*b > whole_turn) {
+    // The inclination alone: of 3 degrees on as radians, and finer than level planes are stated in degrees.
+    const double tenths = *a * 10;
+    if (*a < least_radians || std::abs(std::round(tenths) - tenths) < 1e-9) return;
+    table.note(inclination, fmt::format("is {} beside {} = {}, in degrees", *a, bearing, *b),
+               fmt::format("if it is meant in radians, write \"{} rad\"", *a));
+    return;
+  }
   if (std::round(*a) == *a && std::round(*b) == *b) return;
   table.note(inclination, fmt::format("is {} beside {} = {}, in degrees", *a, bearing, *b),
              fmt::format("if they are meant in radians, write \"{} rad\" and \"{} rad\"", *a, *b));

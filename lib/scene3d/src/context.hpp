@@ -70,9 +70,10 @@ struct StatedLoads {
 [[nodiscard]] std::optional<SupportSettings> parse_support(const Context& context, const TableReader& root,
                                                            const std::vector<Excavation>& excavations,
                                                            const std::optional<StabilitySettings>& stability);
-/// Stages of the excavations and [sequence]; empty when all are of one stage.
+/// Stages of the excavations and [sequence]; empty when all are of one stage. `supported`: there is a [support].
 [[nodiscard]] std::optional<SequenceSettings> parse_sequence(const TableReader& root,
-                                                             const std::vector<Excavation>& excavations);
+                                                             const std::vector<Excavation>& excavations,
+                                                             bool supported);
 /// [field_stress]; after [rock], the excavations and the sets that have joints.
 [[nodiscard]] std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, const Context& context,
                                                                     const std::set<SetId>& used, const Rock& rock,

@@ -315,7 +315,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   std::optional<FieldStressSettings> field_stress = parse_field_stress(root, context, used, rock, excavations);
   std::optional<FlowSettings> flow = parse_flow(root, context, used, domain);
   OutputSettings output = parse_output(root);
-  std::optional<SequenceSettings> sequence = parse_sequence(root, excavations);
+  std::optional<SequenceSettings> sequence = parse_sequence(root, excavations, support.has_value());
   const std::optional<MotionSettings> motion = parse_motion(root, stability.settings, sequence);
   const MicroBlocks micro_blocks = parse_micro_blocks(root);
   // What is asked for of all the rock needs all the rock.

@@ -61,9 +61,10 @@ const KeyTable& sequence_keys() {
   static const KeyTable keys{
       .name = "sequence",
       .keys = {
-          {"fallen", key::word<Fallen>(), "\"stay_out\"",
-           "key blocks of a stage have fallen when the next one begins; `\"put_back\"`: they are held and stay in "
-           "place"},
+          {"fallen", key::word<Fallen>(), "`\"stay_out\"`; with `[support]` `\"put_back\"`",
+           "`\"stay_out\"`: key blocks of a stage have fallen when the next one begins, refused with `[support]`, "
+           "which "
+           "may hold them; `\"put_back\"`: they are held and stay in place"},
           {"compare_orders", key::either({key::word(all_orders), key::array(key::array(key::whole(1, 10'000)))}), "",
            "`\"all\"` orders of the stages (up to 6), or a list such as `[[1, 2, 3], [2, 1, 3]]`: the volume of key "
            "blocks of each"}}};
@@ -85,8 +86,10 @@ const KeyTable& micro_blocks_keys() {
   return keys;
 }
 
-std::optional<SequenceSettings> parse_sequence(const TableReader& root, const std::vector<Excavation>& excavations) {
-  SequenceSettings settings;
+std::optional<SequenceSettings> parse_sequence(const TableReader& root, const std::vector<Excavation>& excavations,
+                                               bool supported) {
+  // What a support holds in one stage is there in the next. It does not pass where it lets a block fall.
+  SequenceSettings settings{.fallen = supported ? Fallen::put_back : Fallen::stay_out, .stages = {}, .orders = {}};
   for (const Excavation& excavation : excavations) settings.stages.push_back(excavation.stage);
   std::ranges::sort(settings.stages);
   const auto repeated = std::ranges::unique(settings.stages);
@@ -96,7 +99,13 @@ std::optional<SequenceSettings> parse_sequence(const TableReader& root, const st
       root.error("sequence", "asks for excavation in stages, but all excavations are of one stage",
                  "give the excavations different `stage` numbers, or remove the section");
     }
-    settings.fallen = table->word<Fallen>("fallen");
+    const auto fallen = table->given_word<Fallen>("fallen");
+    if (supported && fallen == Fallen::stay_out) {
+      table->error("fallen",
+                   "takes out after each stage what the support may hold, and what it holds must be held later",
+                   "remove it, or write \"put_back\"; for the blocks that fall without support remove [support]");
+    }
+    settings.fallen = fallen.value_or(settings.fallen);
     parse_orders(*table, settings);
   }
   if (settings.stages.size() < 2) return std::nullopt;

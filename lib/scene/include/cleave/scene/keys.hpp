@@ -24,7 +24,7 @@ struct NumberRule {
   double high;
   bool high_open;
   std::string_view unit;
-  /// Sizes that rock, loads, bolts or shotcrete have; a bare number outside them is a note that names the likely unit.
+  /// Sizes that rock, loads, bolts or shotcrete have; a number outside them is a note that names the likely unit.
   struct Usual {
     double low, high;
     std::string_view otherwise = {};  ///< the note's remedy where no unit makes the number a usual one

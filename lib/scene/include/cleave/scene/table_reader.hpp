@@ -89,7 +89,7 @@ class TableReader final {
   void note(std::string_view key, std::string what, std::string remedy) const;
   /// Reports `key` as missing.
   void missing(std::string_view key, std::string remedy) const;
-  /// A note where the bare number under `key`, or the largest of its list, is none of the usual ones of `rule`, with
+  /// A note where the number under `key`, or the largest of its list, is none of the usual ones of `rule`, with
   /// the likely unit.
   void note_unusual(std::string_view key, const NumberRule& rule) const;
   /// Exactly one of `keys` must be there: that one, or empty after a report.
@@ -116,7 +116,7 @@ class TableReader final {
   /// The same without a look at usual sizes.
   [[nodiscard]] std::optional<double> plain_number_of(const TomlNode& node, const std::string& path,
                                                       const NumberRule& rule) const;
-  /// Of the bare numbers among `nodes` the largest is looked at: components of a vector may be small.
+  /// Of the numbers among `nodes` the largest is looked at: components of a vector may be small.
   void note_unusual(std::span<const TomlNode> nodes, const std::string& path, const NumberRule& rule) const;
   [[nodiscard]] const Key& declared(std::string_view key) const;
   [[nodiscard]] const KeyType& type_of(std::string_view key, KeyType::Form form) const;

@@ -325,7 +325,7 @@ struct MotionSettings {
   std::uint32_t line = 1;          ///< in the scene file
 };
 
-/// What becomes of the blocks that leave in one stage before the next one is excavated.
+/// What becomes of the blocks that leave in one stage before the next is excavated; with [support] always `put_back`.
 enum class Fallen : std::uint8_t {
   stay_out,  ///< they have fallen: their room is void from then on
   put_back,  ///< they were held in place: the next stage finds them where they were
