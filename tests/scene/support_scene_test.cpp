@@ -234,7 +234,7 @@ TEST(SupportScene, PressureAcrossTheMotionHoldsByFriction) {
       "[[joint]]\nplane = { through = [13.12, -2.87, 16.88], dip = 65.9, dip_direction = 104.6 }\nfriction = 16.8\n"
       "cohesion = 0\nset = \"s1\"\n[rock]\ndensity = 2650\n[stability]\nfree = [\"top\", \"east\"]\n"
       "partial = { friction = 1.18, cohesion = 1.16, weight = 1 }\ntarget = { falling = 1.58, sliding = 1.02 }\n"
-      "[support]\nshotcrete = { thickness = 0.05, strength = 1e3 }\n");
+      "[support]\nshotcrete = { thickness = 0.05, strength = 1e3, on = \"all\" }\n");
   ASSERT_EQ(run.support->blocks.size(), 1U);
   EXPECT_NEAR(run.support->blocks[0].required_pressure, 10451.6, 0.2);
 }

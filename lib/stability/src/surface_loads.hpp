@@ -20,6 +20,9 @@ struct ForceSum {
   }
 };
 
+/// Whether a free face is part of a free surface.
+[[nodiscard]] bool lies_on(const topology::Face& face, const FreeSurface& surface);
+
 /// Surcharge, line and point forces, by block. Empty when there are none.
 [[nodiscard]] IdVector<topology::BlockId, ForceSum> surface_forces(const topology::BlockComplex& complex,
                                                                    const Actions& actions);
