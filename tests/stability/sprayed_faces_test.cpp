@@ -124,5 +124,51 @@ TEST(SprayedFaces, WhatScalingLaidBareIsSprayedAsWhatWasInFront) {
   EXPECT_NEAR(found(complex, settings, layer(1)).block.required_pressure, 1.5 * weight, 1e-9);
 }
 
+/// A block of 1 x 1 x 2 m in a roof, cut at `levels`, with `more` joints.
+topology::CutInput roof_block(const std::vector<double>& levels, const std::vector<topology::Joint>& more = {}) {
+  topology::CutInput input = plug(levels);
+  input.domain = geometry::make_box({0, 0, 0}, {10, 10, 12}).value();
+  input.free_domain_tags = {};
+  input.joints.push_back(level(7));
+  input.joints.insert(input.joints.end(), more.begin(), more.end());
+  return input;
+}
+
+/// The block that receives most, support being asked for up to `most_pressure`.
+SupportedBlock receiver(const topology::CutInput& input, double most_pressure) {
+  const auto complex = audited(input);
+  const Settings settings = statics::settings({strength(30)});
+  const SupportPlan plan{.target_falling = 1.5, .target_sliding = 1.5, .most_pressure = pascals(most_pressure)};
+  const SupportResult result = check_support(complex, settings, analyse(complex, settings), plan);
+  EXPECT_EQ(result.blocks.size(), 1U);
+  return result.blocks.at(0);
+}
+
+// A crumb of 0.1 x 1 x 0.1 m keeps a block of 1.99 m3 in the roof. The pressure of a lining is on both: what holds the
+// block, on its 0.9 m2, leaves the crumb alone with its own weight.
+TEST(FacePressures, ABlockPassesNothingOnAtThePressureItNeedsItself) {
+  const topology::CutInput input =
+      roof_block({}, {polygon({{5.4, 4.4, 4}, {5.4, 5.6, 4}, {5.4, 5.6, 5.15}, {5.4, 4.4, 5.15}}),
+                      polygon({{5.35, 4.4, 5.1}, {5.6, 4.4, 5.1}, {5.6, 5.6, 5.1}, {5.35, 5.6, 5.1}})});
+  const double crumb = 1.5 * 0.01 / 0.1, block = 1.5 * 1.99 / 0.9, all = 1.5 * 2 / 0.1;
+  for (const double most : {1.0, 10.0, 100.0}) {
+    SCOPED_TRACE(most);
+    const SupportedBlock found = receiver(input, most);
+    EXPECT_NEAR(found.received, 1.99, 1e-9);
+    EXPECT_NEAR(found.required_pressure, all, 1e-6);
+    EXPECT_NEAR(found.own_pressure, crumb, 1e-6);
+    EXPECT_NEAR(found.lining_pressure, most > block ? block : crumb, 1e-6);
+    EXPECT_EQ(found.passed_on, all > most);
+  }
+}
+
+// A block without a face of its own is held through the one in front, whatever the pressure.
+TEST(FacePressures, WhatHasNoFacePassesEverythingOn) {
+  const SupportedBlock found = receiver(roof_block({5.1}), 100);
+  EXPECT_NEAR(found.required_pressure, 1.5 * 2, 1e-6);
+  EXPECT_NEAR(found.own_pressure, 1.5 * 0.1, 1e-6);
+  EXPECT_NEAR(found.lining_pressure, 1.5 * 2, 1e-6);
+}
+
 }  // namespace
 }  // namespace cleave::stability::sprayed_faces_test

@@ -204,7 +204,7 @@ RunResult empty_result() {
 }
 
 Stress pressure_asked_at(const stability::SupportedBlock& block) {
-  return pascals(block.passed_on ? block.own_pressure : block.required_pressure);
+  return pascals(block.lining_pressure);
 }
 
 namespace {

@@ -15,6 +15,7 @@
 #include "bolt_paths.hpp"
 #include "contacts.hpp"
 #include "domain_held.hpp"
+#include "face_pressures.hpp"
 #include "free_faces.hpp"
 #include "strengths_over.hpp"
 #include "supported_body.hpp"
@@ -118,15 +119,6 @@ class Check final {
     return least ? whole * least->share : infinite;
   }
 
-  /// Pa on the open faces that the block moves out of which bring it to its target; infinite where none do.
-  [[nodiscard]] double pressure_needed(BlockId block, const Body& body) const {
-    const Vec3 push = push_of_pressure(*complex_, block, body.bare.direction, gone_);
-    const double against = -dot(push, body.bare.direction);
-    if (!(against > 0)) return infinite;
-    const double limit = 4 * body.target * body.bare.driving / against;
-    return least_multiple(body, limit * push, limit);
-  }
-
   void find_needy() {
     received_by_ = IdVector<BlockId, ForceSum>(complex_->blocks().size());
     for (const Judgement& giver : pushing_->judgements) {
@@ -160,24 +152,25 @@ class Check final {
       const SingleForce least = best_force(*body, *settings_);
       entry.required_direction = least.direction;
       entry.required_force = least.force;
-      entry.required_pressure = pressure_needed(id, *body);
-      entry.own_pressure = entry.required_pressure;
-      if (const ForceSum& received = received_by_[id]; received.force != Vec3{}) {
-        entry.received = norm(received.force);
-        Body own = *body;
-        own.resultant.add(-received.force, received.scale);
-        own.contacts = model_.contacts_of({&id, 1}, 1);
-        own.bare = judge(own.contacts, own.resultant, *settings_);
-        keep_cohesion_of(own.bare, own.resultant, settings_->parallel_contact, own.contacts);
-        own.target = target_of(own.bare.mode, *plan_);
-        entry.own_pressure = moves(own.bare.mode) && own.lacks() ? pressure_needed(id, own) : 0;
-        entry.passed_on = pascals(entry.required_pressure) > plan_->most_pressure &&
-                          !(pascals(entry.own_pressure) > plan_->most_pressure);
-      }
+      ask_pressures(entry, *body);
       needy_[id] = static_cast<std::uint32_t>(bodies_.size());
       bodies_.push_back(*std::move(body));
       result_.blocks.push_back(entry);
     }
+  }
+
+  void ask_pressures(SupportedBlock& entry, const Body& body) {
+    if (!pressures_) pressures_.emplace(*complex_, *settings_, *pushing_, *plan_, gone_);
+    entry.required_pressure = pressures_->needed(entry.block, body);
+    entry.own_pressure = entry.lining_pressure = entry.required_pressure;
+    const ForceSum& received = received_by_[entry.block];
+    if (received.force == Vec3{}) return;
+    entry.received = norm(received.force);
+    entry.own_pressure = pressures_->needed_alone(entry.block);
+    const auto too_much = [&](double pressure) { return pascals(pressure) > plan_->most_pressure; };
+    entry.passed_on = too_much(entry.required_pressure) && !too_much(entry.own_pressure);
+    entry.lining_pressure = pressures_->needed_with_givers(entry.block);
+    if (entry.passed_on && too_much(entry.lining_pressure)) entry.lining_pressure = entry.own_pressure;
   }
 
   void add_bolt(const Bolt& bolt, bool spot) {
@@ -473,6 +466,7 @@ class Check final {
   std::function<bool(BlockId)> gone_;  ///< scaled off before the support
   bool scaled_;                        ///< some block is
   Sprayed sprayed_;
+  std::optional<FacePressures> pressures_;     ///< once a block needs support
   IdVector<BlockId, std::uint32_t> needy_;     ///< index into bodies_ and result_.blocks
   IdVector<BlockId, std::uint8_t> looked_at_;  ///< by `note_border`
   IdVector<BlockId, ForceSum> received_by_;

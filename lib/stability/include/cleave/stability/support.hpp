@@ -207,6 +207,9 @@ struct SupportedBlock {
   double required_pressure = 0;            ///< Pa on the free faces it moves out of, for the target; inf when none does
   double received = 0;                     ///< N, what blocks of later batches pass to it
   double own_pressure = 0;                 ///< Pa, `required_pressure` without what it received
+  /// Pa, `required_pressure` where the same pressure is on the blocks that pass to it: at what these need themselves
+  /// they pass nothing on. Where that is beyond the plan's `most_pressure` too, and it is `passed_on`: `own_pressure`.
+  double lining_pressure = 0;
   /// Its free faces cannot take what it received: the pressure is beyond the plan's `most_pressure`, its own is not.
   /// The blocks that pass it have to be held.
   bool passed_on = false;
