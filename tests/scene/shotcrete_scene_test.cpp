@@ -29,7 +29,7 @@ std::string plug(std::string_view on, std::string_view more = "") {
   return text + "[support]\nshotcrete = { thickness = 0.0114777, strength = 1e6" + std::string{on} + " }\n";
 }
 
-constexpr double layer = 11477.7;              // N/m
+constexpr double layer = 11477.7;           // N/m
 constexpr double weight = 2 * 2600 * 9.81;  // N
 
 // The ground is not sprayed, and the plug moves away from it: the roof alone holds 0.90 of it, in every check.
@@ -74,7 +74,7 @@ TEST(ShotcreteScene, TheCrestOfASlopeHoldsNothing) {
   const double dip = 38 * std::numbers::pi / 180;
   const double rear = 12 - 8 * std::tan(dip);          // height of the slab at its back
   const double area = 0.5 * (rear * 8 + 12 * 4);       // rear triangle, and that below the face
-  const double load = 2651 * 9.81 * area * 10;      // N
+  const double load = 2651 * 9.81 * area * 10;         // N
   const double edge = 2 * std::hypot(12.0, 4.0) + 10;  // m
   const double bare =
       std::tan(35 * std::numbers::pi / 180) / std::tan(dip) + 15e3 * 10 * 8 / std::cos(dip) / (load * std::sin(dip));
