@@ -68,7 +68,7 @@ double FacePressures::with_givers(BlockId block, std::uint32_t batch) {
       givers.push_back({giver->block, force, enough_for(*giver)});
     }
   }
-  std::ranges::stable_sort(givers, {}, &Giver::enough);
+  std::ranges::sort(givers, {}, [](const Giver& giver) { return std::pair{giver.enough, giver.block}; });
   double least = needed(block, body_of(block, batch, givers));
   for (std::size_t held = 1; held <= givers.size() && givers[held - 1].enough < least; ++held) {
     const double rest = needed(block, body_of(block, batch, std::span{givers}.subspan(held)));
