@@ -50,19 +50,24 @@ Sprayed::Sprayed(const topology::BlockComplex& complex, const Shotcrete& layer,
                  const std::function<bool(topology::BlockId)>& gone)
     : complex_{&complex}, on_{layer.on}, gone_from_(complex.blocks().size(), std::uint8_t{0}) {
   if (std::ranges::none_of(complex.blocks().ids(), gone)) return;
-  std::vector<topology::BlockId> reached;
-  const auto add = [&](topology::BlockId id) {
-    if (gone(id) && std::exchange(gone_from_[id], std::uint8_t{1}) == 0) reached.push_back(id);
-  };
-  for (const Face& face : complex.faces()) {
-    if (on_surface(face)) add(face.block);
-  }
-  while (!reached.empty()) {
-    const topology::BlockId id = reached.back();
-    reached.pop_back();
-    for (const FaceId face_id : complex.blocks()[id].faces) {
-      for (const topology::Patch& patch : complex.patches(complex.faces()[face_id])) {
-        if (patch.neighbour) add(*patch.neighbour);
+  // First from what is sprayed: a block between both was in front of the layer.
+  for (const std::uint8_t from : {from_sprayed, from_bare}) {
+    std::vector<topology::BlockId> reached;
+    const auto add = [&](topology::BlockId id) {
+      if (!gone(id) || gone_from_[id] != enclosed) return;
+      gone_from_[id] = from;
+      reached.push_back(id);
+    };
+    for (const Face& face : complex.faces()) {
+      if (from == from_sprayed ? on_surface(face) : face.role == topology::Role::free) add(face.block);
+    }
+    while (!reached.empty()) {
+      const topology::BlockId id = reached.back();
+      reached.pop_back();
+      for (const FaceId face_id : complex.blocks()[id].faces) {
+        for (const topology::Patch& patch : complex.patches(complex.faces()[face_id])) {
+          if (patch.neighbour) add(*patch.neighbour);
+        }
       }
     }
   }
@@ -76,7 +81,7 @@ bool Sprayed::on_surface(const Face& face) const {
 bool Sprayed::operator()(const Face& face) const {
   if (face.role != topology::Role::joint) return on_surface(face);
   return std::ranges::all_of(complex_->patches(face), [&](const topology::Patch& patch) {
-    return !patch.neighbour || gone_from_[*patch.neighbour] != 0;
+    return !patch.neighbour || gone_from_[*patch.neighbour] != from_bare;
   });
 }
 

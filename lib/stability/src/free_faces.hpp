@@ -28,7 +28,8 @@ class Sprayed final {
  public:
   Sprayed(const topology::BlockComplex& complex, const Shotcrete& layer,
           const std::function<bool(topology::BlockId)>& gone);
-  /// Of an open face: it lies on what is sprayed, or was laid bare by what is gone from there.
+  /// Of an open face: it lies on what is sprayed, or was laid bare by what is gone from there. What is gone from
+  /// nowhere lies within the rock, where nobody scales: it is there still, and holds at least as the layer would.
   [[nodiscard]] bool operator()(const topology::Face& face) const;
 
  private:
@@ -36,7 +37,8 @@ class Sprayed final {
 
   const topology::BlockComplex* complex_;
   std::vector<FreeSurface> on_;
-  IdVector<topology::BlockId, std::uint8_t> gone_from_;  ///< gone blocks in front of which the layer would have been
+  static constexpr std::uint8_t enclosed = 0, from_sprayed = 1, from_bare = 2;
+  IdVector<topology::BlockId, std::uint8_t> gone_from_;  ///< of gone blocks, one by one behind each other
 };
 
 /// An edge of a block between an open face and a joint face that is not.
