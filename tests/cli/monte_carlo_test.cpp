@@ -50,7 +50,7 @@ TEST_F(MonteCarloTest, LoadCasesAreAnEnsembleOfTheirOwn) {
       put(text, "count = 12", "count = 5");
     }
     if (kind == "support" || kind == "groups") {
-      text += "[support]\nshotcrete = { thickness = 0.05, strength = 2e4 }\n";
+      text += "[support]\nshotcrete = { thickness = 0.05, strength = 2e4, on = \"all\" }\n";
     }
     write("s.toml", text + "[[load]]\nname = \"quake\"\n" + quake);
     const Ended shaken = cleave("run s.toml -o out");
@@ -382,8 +382,9 @@ TEST_F(MonteCarloTest, GroupsThatDecideCountInEveryRealizationAndItsReplay) {
   EXPECT_TRUE(read("out/summary.json").contains("what it takes to hold a group is not in them"));
   EXPECT_TRUE(read("alone/summary.json").contains("what only moves together"));
   // Sprayed concrete too weak for both together: no block needs it alone.
-  write("held.toml", example + "\ngroups = \"decide\"\n[support]\nshotcrete = { thickness = 0.05, strength = 1e4 }\n" +
-                         "[monte_carlo]\nrealizations = 2\n");
+  write("held.toml",
+        example + "\ngroups = \"decide\"\n[support]\nshotcrete = { thickness = 0.05, strength = 1e4, on = \"all\" }\n" +
+            "[monte_carlo]\nrealizations = 2\n");
   ASSERT_EQ(cleave("run held.toml -o held --quiet").code, 0);
   EXPECT_EQ(mean("held", "support_groups_not_held"), 1);
   EXPECT_NEAR(mean("held", "support_groups_not_held_m3"), mean("out", "key_group_volume_m3"), 1e-9);

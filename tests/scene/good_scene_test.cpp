@@ -275,7 +275,7 @@ TEST(SceneTest, NumbersMayBeTextsWithAUnit) {
       "[joints.default]\nfriction = { distribution = \"uniform\", min = \"20 deg\", max = 40 }\ncohesion = \"50 kPa\"\n"
       "tension = \"0.01 MPa\"\n[rock]\ndensity = \"26 kN/m3\"\n"
       "[stability]\nfree = [\"top\"]\nwater = { table = \"2m\", unit_weight = \"9.81 kN/m3\" }\n"
-      "[support]\nshotcrete = { thickness = \"75 mm\", strength = \"2 MPa\" }\n"
+      "[support]\nshotcrete = { thickness = \"75 mm\", strength = \"2 MPa\", on = \"top\" }\n"
       "spot = { length = 3, tendon_capacity = \"200 kN\", bond_strength = \"300 kN/m\", anchorage = \"500 mm\" }\n"));
   const JointProperties& joint = scene.sets[SetId{std::size_t{0}}].properties;
   EXPECT_EQ(joint.cohesion.mean, 50e3);
@@ -294,7 +294,7 @@ TEST(SceneTest, BareNumbersFarFromUsualOnesNameTheLikelyUnit) {
       scene_of(with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\n"
                         "[joints.default]\nfriction = 0.6\ncohesion = 50\n[rock]\ndensity = 27\nyoung = 40\n"
                         "[stability]\nfree = [\"top\"]\nwater = { table = 2, unit_weight = 9.81 }\n"
-                        "[support]\nshotcrete = { thickness = 75, strength = 2e6 }\n"
+                        "[support]\nshotcrete = { thickness = 75, strength = 2e6, on = \"all\" }\n"
                         "spot = { length = 3, tendon_capacity = 200, bond_strength = 300e3, anchorage = 0.5 }\n"));
   std::vector<std::string> meant;
   for (const Problem& note : scene.notes) meant.push_back(note.key + ": " + note.remedy);

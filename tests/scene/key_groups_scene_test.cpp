@@ -326,7 +326,7 @@ TEST(KeyGroupsScene, BoltsIntoWhatOnlyTheBorderHoldsAreSaid) {
 
 // Neither block needs support alone. At 30 degrees the two stand together, but below the target for sliding.
 TEST(KeyGroupsScene, SupportIsAskedToHoldThem) {
-  const std::string shotcrete = "[support]\nshotcrete = { thickness = 0.1, strength = 1e5 }\n";
+  const std::string shotcrete = "[support]\nshotcrete = { thickness = 0.1, strength = 1e5, on = \"all\" }\n";
   const auto groups = [&](double friction, const std::string& support) {
     const RunResult result = run_of(active_and_passive(friction) + support);
     const auto& figures = result.figures.support;
@@ -705,7 +705,7 @@ TEST(KeyGroupsScene, GroupsThatNoPatternHoldsAreSaid) {
 TEST(KeyGroupsScene, SupportIsAskedToHoldThemInEachLoadCase) {
   const std::string cases =
       "[[load]]\nname = \"calm\"\n[[load]]\nname = \"quake\"\nseismic = [-0.4, 0, 0]\n"
-      "[support]\nshotcrete = { thickness = 0.1, strength = 1e5 }\n";
+      "[support]\nshotcrete = { thickness = 0.1, strength = 1e5, on = \"all\" }\n";
   const RunResult result = run_of(active_and_passive(45) + cases);
   ASSERT_EQ(result.figures.support_cases.size(), 2U);
   ASSERT_TRUE(result.figures.support && result.figures.support->groups);
@@ -731,7 +731,7 @@ TEST(KeyGroupsScene, SupportIsAskedToHoldThemInEachLoadCase) {
 TEST(KeyGroupsScene, TargetsOfALoadCaseAreAskedOfGroups) {
   const RunResult result = run_of(active_and_passive(45) +
                                   "[[load]]\nname = \"strict\"\ntarget = { sliding = 2.2 }\n"
-                                  "[support]\nshotcrete = { thickness = 0.1, strength = 1e5 }\n");
+                                  "[support]\nshotcrete = { thickness = 0.1, strength = 1e5, on = \"all\" }\n");
   EXPECT_EQ(result.figures.support->groups->count, 0U);
   EXPECT_EQ(result.figures.support_cases.at(0).figures.groups->not_held, 1U);
   const std::string design = "[support.design]\nlengths = [8]\nscale = [0.5, 4]\nphases = 1\noffsets = 1\n";
@@ -748,7 +748,7 @@ TEST(KeyGroupsScene, SupportIsAskedToHoldThemAfterEachStage) {
   const std::string pit =
       "[[excavation]]\nname = \"pit\"\nstage = 2\nkind = \"polyhedron\"\n"
       "box = { min = [30, 0, -15], max = [35, 1, -10] }\n";
-  const std::string shotcrete = "[support]\nshotcrete = { thickness = 0.1, strength = 1e5 }\n";
+  const std::string shotcrete = "[support]\nshotcrete = { thickness = 0.1, strength = 1e5, on = \"all\" }\n";
   for (const double friction : {30.0, 45.0}) {
     SCOPED_TRACE(friction);
     const RunResult result = run_of(pit + active_and_passive(friction) + shotcrete);
@@ -772,7 +772,7 @@ TEST(KeyGroupsScene, SupportIsAskedToHoldThemAfterEachStageUnderEveryLoad) {
       "box = { min = [30, 0, -15], max = [35, 1, -10] }\n" +
       active_and_passive(45) +
       "[[load]]\nname = \"quake\"\nseismic = [-0.45, 0, 0]\n"
-      "[support]\nshotcrete = { thickness = 0.1, strength = 1e5 }\n");
+      "[support]\nshotcrete = { thickness = 0.1, strength = 1e5, on = \"all\" }\n");
   const StageResult& first = result.sequence->stages.front();
   ASSERT_TRUE(first.support && first.support->groups);
   EXPECT_TRUE(first.support->groups->all_held());
@@ -787,7 +787,8 @@ TEST(KeyGroupsScene, SupportIsAskedToHoldThemAfterEachStageUnderEveryLoad) {
 
 // What could not be judged together does not pass, and what was not asked is said to be so.
 TEST(KeyGroupsScene, SupportDoesNotPassWhereGroupsCouldNotBeJudged) {
-  const std::string text = active_and_passive(45) + "[support]\nshotcrete = { thickness = 0.1, strength = 1e5 }\n";
+  const std::string text =
+      active_and_passive(45) + "[support]\nshotcrete = { thickness = 0.1, strength = 1e5, on = \"all\" }\n";
   RunResult result = run_of(text + "[[load]]\nname = \"calm\"\n");
   ASSERT_TRUE(result.group_support && result.support_cases.at(0).groups);
   EXPECT_EQ(result.figures.support->groups_judged, GroupsJudged::yes);
@@ -811,7 +812,8 @@ TEST(KeyGroupsScene, SupportDoesNotPassWhereGroupsCouldNotBeJudged) {
 }
 
 TEST(KeyGroupsScene, WhatTheSearchWithSupportDidNotLookAtIsSaid) {
-  const std::string text = active_and_passive(20) + "[support]\nshotcrete = { thickness = 0.1, strength = 1e5 }\n";
+  const std::string text =
+      active_and_passive(20) + "[support]\nshotcrete = { thickness = 0.1, strength = 1e5, on = \"all\" }\n";
   RunResult result = run_of(text);
   ASSERT_TRUE(result.group_support.has_value());
   const Scene scene = scene_of(text);

@@ -331,7 +331,7 @@ target = { falling = 1.2, sliding = 1.1 }
 [[load]]
 name = "plain"
 [support]
-shotcrete = { thickness = 0.1, strength = 1e5 }
+shotcrete = { thickness = 0.1, strength = 1e5, on = "all" }
 )";
   const Figures figures = run_of(slab).figures;
   EXPECT_EQ(figures.key_blocks->below_target, 0U);

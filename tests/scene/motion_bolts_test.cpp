@@ -121,7 +121,7 @@ TEST(MotionBolts, TheyHoldWhatPlateBondAndAnchorLet) {
 }
 
 TEST(MotionBolts, WhatIsNotCarriedOverIsSaid) {
-  const std::string more = "shear_capacity = 1e5\n[support.shotcrete]\nthickness = 0.1\nstrength = 1e6\n";
+  const std::string more = "shear_capacity = 1e5\n[support.shotcrete]\nthickness = 0.1\nstrength = 1e6\non = \"all\"\n";
   const RunResult result = run_of(hung(bolts_at("[0, 0, 0]", 0.5 * hung_weight, more), "duration = 0.1\n"));
   EXPECT_GT(fall_of(result), 0.02);
   EXPECT_TRUE(says(result, "motion: blocks move without the shotcrete"));

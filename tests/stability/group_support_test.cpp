@@ -196,11 +196,13 @@ TEST(GroupSupportTest, OneBlockIsHeldAsTheCheckOfBlocksSays) {
   // Ring shear along 8 m.
   plan.bolts.clear();
   for (const double share : {0.998, 1.002}) {
-    plan.shotcrete = Shotcrete{.thickness = metres(0.1), .shear_strength = pascals(share * 1.5 * weight / 0.8)};
+    plan.shotcrete = Shotcrete{
+        .thickness = metres(0.1), .shear_strength = pascals(share * 1.5 * weight / 0.8), .on = {AnyFreeFace{}}};
     EXPECT_EQ(both(plan), share > 1);
     plan.shotcrete = Shotcrete{.thickness = metres(0.1),
                                .shear_strength = pascals(1e9),
-                               .adhesion = pascals(share * 1.5 * weight / (8 * 0.03))};
+                               .adhesion = pascals(share * 1.5 * weight / (8 * 0.03)),
+                               .on = {AnyFreeFace{}}};
     EXPECT_EQ(both(plan), share > 1);
   }
 }
@@ -252,7 +254,8 @@ TEST(GroupSupportTest, WhatScalingLaidBareNeedsSupport) {
   };
   EXPECT_FALSE(alone());
   for (const double share : {0.998, 1.002}) {
-    plan.shotcrete = Shotcrete{.thickness = metres(0.1), .shear_strength = pascals(share * 1.5 * weight / 0.8)};
+    plan.shotcrete = Shotcrete{
+        .thickness = metres(0.1), .shear_strength = pascals(share * 1.5 * weight / 0.8), .on = {AnyFreeFace{}}};
     EXPECT_EQ(alone(), share > 1);
   }
   // The plate of a bolt is on what is left; what it held in the scaled plate counts no more.

@@ -436,7 +436,7 @@ TEST_P(OpenedFaces, HaveLostTheirCohesion) {
 TEST(SupportTest, ShotcreteHoldsSmallFacesByTheirPerimeter) {
   const Ceiling c = Ceiling::make(0.7, 1, 12.46e3);
   SupportPlan plan = plan_with({}, 1.5);
-  plan.shotcrete = Shotcrete{.thickness = metres(0.07), .shear_strength = pascals(1e6)};
+  plan.shotcrete = Shotcrete{.thickness = metres(0.07), .shear_strength = pascals(1e6), .on = {AnyFreeFace{}}};
   const auto result = check_support(c.complex, c.with, c.analysis, plan);
   ASSERT_EQ(result.blocks.size(), 1U);
   EXPECT_NEAR(result.blocks[0].factor_with_shotcrete.value(), 196 / 12.46, 1e-6);
@@ -653,7 +653,8 @@ TEST(SupportTest, OneVerdictWithEverything) {
   const Bolt bolt{.collar = {0, 0, 0}, .direction = {0, 0, 1}, .length = metres(4), .type = strong};
   for (const double target : {1.2, 1.5, 1.6, 1.7}) {
     SupportPlan plan = plan_with({bolt}, target);
-    plan.shotcrete = Shotcrete{.thickness = metres(0.05), .shear_strength = pascals(0.3e6)};  // 8 m of edge: 120 kN
+    plan.shotcrete = Shotcrete{
+        .thickness = metres(0.05), .shear_strength = pascals(0.3e6), .on = {AnyFreeFace{}}};  // 8 m of edge: 120 kN
     const auto result = check_support(c.complex, c.with, c.analysis, plan);
     const SupportedBlock& block = result.blocks.at(0);
     EXPECT_NEAR(block.factor_with_bolts, 80.0 / 120, 1e-9);
@@ -692,7 +693,7 @@ TEST(SupportTest, ForcesThatNoFaceCanTakeAreToldApart) {
   ASSERT_NE(toe, result.blocks.end());
   const double tangent = std::tan(radians(20));
   const double net = std::sin(radians(30)) - tangent * std::cos(radians(30));  // of 1 N
-  const double per_newton = net / (4 + 0.2 * tangent);                         // 4 m2 below, 0.2 m2 above
+  const double per_newton = net / 4;                                           // of 1 N on 4 m2 below; none above
   EXPECT_NEAR(toe->received, 149 * net, 1e-6);
   EXPECT_NEAR(toe->required_pressure, 150 * per_newton, 1e-6);
   EXPECT_NEAR(toe->own_pressure, per_newton, 1e-8);

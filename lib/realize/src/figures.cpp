@@ -203,9 +203,7 @@ RunResult empty_result() {
   return {{{.input = {.domain = geometry::make_box({0, 0, 0}, {1, 1, 1}).value()}}}, ResultHead{}};
 }
 
-Stress pressure_asked_at(const stability::SupportedBlock& block) {
-  return pascals(block.passed_on ? block.own_pressure : block.required_pressure);
-}
+Stress pressure_asked_at(const stability::SupportedBlock& block) { return pascals(block.lining_pressure); }
 
 namespace {
 

@@ -287,6 +287,10 @@ void fields(V& v, const SupportBlockRow& x) {
     "that would hold the block alone; empty without shotcrete and where none would, as its bond gives way first");
   v("received_n", x.b.received, "what blocks of later batches pass to it");
   v("own_pressure_pa", x.b.own_pressure, "required_pressure_pa without that");
+  v("lining_pressure_pa", x.b.lining_pressure,
+    "required_pressure_pa with the same pressure on the blocks that pass to it: at what these need themselves they "
+    "pass "
+    "nothing on");
   v("passed_on", x.b.passed_on,
     "its free faces cannot take what it received (`most_pressure`): hold the blocks behind");
 }

@@ -56,6 +56,11 @@ struct StatedLoads {
   std::vector<stability::LineForce> lines = {};
   std::uint32_t line = 1;  ///< in the scene file
 };
+/// The free surface of that name; an error of `key` where neither an excavation nor a face of the domain has it.
+[[nodiscard]] std::optional<stability::FreeSurface> free_surface(const TableReader& table, std::string_view key,
+                                                                 const std::string& name,
+                                                                 const std::optional<geometry::Solid>& domain,
+                                                                 const std::vector<Excavation>& excavations);
 /// Keys seismic, water, surcharge, point and line of [stability] or of one [[load]].
 [[nodiscard]] StatedLoads parse_load_set(const Context& context, const TableReader& table,
                                          const std::optional<geometry::Solid>& domain,
@@ -68,8 +73,15 @@ struct StatedLoads {
                                                      const StatedLoads& base, const std::optional<Targets>& target,
                                                      geometry::Vec3 gravity);
 [[nodiscard]] std::optional<SupportSettings> parse_support(const Context& context, const TableReader& root,
+                                                           const std::optional<geometry::Solid>& domain,
                                                            const std::vector<Excavation>& excavations,
-                                                           const std::optional<StabilitySettings>& stability);
+                                                           const ParsedStability& stability);
+/// support.shotcrete.
+[[nodiscard]] const KeyTable& shotcrete_keys();
+/// `free`: the sides of the domain that are.
+void parse_shotcrete(const TableReader& owner, const std::optional<geometry::Solid>& domain,
+                     const std::vector<Excavation>& excavations, const std::vector<std::uint32_t>& free,
+                     SupportSettings& support);
 /// Stages of the excavations and [sequence]; empty when all are of one stage. `supported`: there is a [support].
 [[nodiscard]] std::optional<SequenceSettings> parse_sequence(const TableReader& root,
                                                              const std::vector<Excavation>& excavations,

@@ -310,7 +310,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   std::optional<MappedSettings> mapped = parse_mapped(context, root, joint_sets, excavations, domain);
   std::vector<ScanLine> lines = parse_lines(context, root);
   ParsedStability stability = parse_stability(context, root, domain, excavations);
-  std::optional<SupportSettings> support = parse_support(context, root, excavations, stability.settings);
+  std::optional<SupportSettings> support = parse_support(context, root, domain, excavations, stability);
   const std::set<SetId> used = sets_with_joints(joints, joint_sets);
   std::optional<FieldStressSettings> field_stress = parse_field_stress(root, context, used, rock, excavations);
   std::optional<FlowSettings> flow = parse_flow(root, context, used, domain);

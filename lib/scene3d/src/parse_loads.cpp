@@ -65,27 +65,6 @@ const KeyTable& line_keys() {
   return keys;
 }
 
-std::optional<FreeSurface> parse_surface(const TableReader& table, const std::optional<geometry::Solid>& domain,
-                                         const std::vector<Excavation>& excavations) {
-  const auto name = table.text("on");
-  if (!name || *name == "all") return AnyFreeFace{};
-  std::vector<string_view> known{"all"};
-  for (std::uint32_t i = 0; i < excavations.size(); ++i) {
-    if (excavations[i].name == *name) return stability::ExcavationWall{i};
-    known.emplace_back(excavations[i].name);
-  }
-  if (domain) {
-    for (std::uint32_t tag = 0; tag < domain->tags().size(); ++tag) {
-      if (domain->tags()[tag] == *name) return stability::DomainSide{tag};
-      known.emplace_back(domain->tags()[tag]);
-    }
-  }
-  const auto guess = nearest(*name, known);
-  table.error("on", fmt::format("\"{}\" is neither an excavation nor a face of the domain", name->substr(0, 60)),
-              guess ? fmt::format("did you mean \"{}\"?", *guess) : "write \"all\" for every free face");
-  return std::nullopt;
-}
-
 std::optional<stability::WaterTable> parse_water(const Context& context, const TableReader& owner, StatedLoads& loads) {
   const auto found = owner.sub("water");
   if (!found) return std::nullopt;
@@ -148,7 +127,7 @@ std::optional<stability::Box> parse_within(const TableReader& owner) {
 
 void parse_surcharge(const TableReader& table, const std::optional<geometry::Solid>& domain,
                      const std::vector<Excavation>& excavations, StatedLoads& loads) {
-  const auto surface = parse_surface(table, domain, excavations);
+  const auto surface = free_surface(table, "on", table.text("on").value_or("all"), domain, excavations);
   const auto traction = table.vec3("traction");
   const auto pressure = table.number("pressure");
   if (pressure && *pressure < 0) {
@@ -247,6 +226,27 @@ std::optional<Targets> parse_case_target(const TableReader& load, const std::opt
 }
 
 }  // namespace
+
+std::optional<FreeSurface> free_surface(const TableReader& table, string_view key, const std::string& name,
+                                        const std::optional<geometry::Solid>& domain,
+                                        const std::vector<Excavation>& excavations) {
+  if (name == "all") return AnyFreeFace{};
+  std::vector<string_view> known{"all"};
+  for (std::uint32_t i = 0; i < excavations.size(); ++i) {
+    if (excavations[i].name == name) return stability::ExcavationWall{i};
+    known.emplace_back(excavations[i].name);
+  }
+  if (domain) {
+    for (std::uint32_t tag = 0; tag < domain->tags().size(); ++tag) {
+      if (domain->tags()[tag] == name) return stability::DomainSide{tag};
+      known.emplace_back(domain->tags()[tag]);
+    }
+  }
+  const auto guess = nearest(name, known);
+  table.error(key, fmt::format("\"{}\" is neither an excavation nor a face of the domain", name.substr(0, 60)),
+              guess ? fmt::format("did you mean \"{}\"?", *guess) : "write \"all\" for every free face");
+  return std::nullopt;
+}
 
 std::vector<Key> load_set_keys() {
   return {

@@ -21,11 +21,6 @@ constexpr NumberRule capacity_rule = NumberRule{0, false, 1e12, false, " N"}.usu
 constexpr NumberRule bond_rule = NumberRule{0, false, 1e12, false, " N/m"}.usually(1e3, 1e9);
 constexpr NumberRule bolt_length_rule = rule::length.usually(0.2, 200);
 constexpr NumberRule spacing_rule = rule::length.usually(0.1, 50);
-constexpr NumberRule thickness_rule = rule::length.usually(0.005, 2);
-constexpr NumberRule shotcrete_rule = NumberRule{0, true, 1e12, false, " Pa"}.usually(
-    1e4, 1e7, "in shear it is a tenth of that in compression or less: check it");
-constexpr NumberRule adhesion_rule = NumberRule{0, false, 1e15, false, " Pa"}.usually(1e3, 1e7);
-constexpr NumberRule bond_width_rule = rule::length.usually(0.001, 0.5);
 constexpr NumberRule area_rule{0, false, 1e9, false, " m2"};
 constexpr NumberRule arc_rule{-180, false, 180, false, " degrees"};
 constexpr NumberRule inclination_rule{-80, false, 80, false, " degrees"};
@@ -108,16 +103,6 @@ const KeyTable& spot_keys() {
     table.keys.push_back({"max_per_block", key::whole(1, 1000), "20", "bolts of one block", "most"});
     return table;
   }();
-  return keys;
-}
-
-const KeyTable& shotcrete_keys() {
-  static const KeyTable keys{
-      .name = "support.shotcrete",
-      .keys = {{"thickness", key::number(thickness_rule), required, "m"},
-               {"strength", key::number(shotcrete_rule), required, "Pa, in shear"},
-               {"adhesion", key::number(adhesion_rule), "0", "Pa, of the bond to the rock; 0: it is no limit"},
-               {"bond_width", key::number(bond_width_rule), "0.03", "m"}}};
   return keys;
 }
 
@@ -372,17 +357,6 @@ void parse_spot(const TableReader& owner, SupportSettings& support) {
   if (length && type) support.plan.spot = stability::SpotBolts{.type = *type, .length = metres(*length), .most = most};
 }
 
-void parse_shotcrete(const TableReader& owner, SupportSettings& support) {
-  const auto table = owner.sub("shotcrete");
-  if (!table) return;
-  const auto thickness = table->need_number("thickness"), strength = table->need_number("strength");
-  const double adhesion = table->value("adhesion"), width = table->value("bond_width");
-  if (!thickness || !strength) return;
-  support.plan.shotcrete = stability::Shotcrete{
-      .thickness = metres(*thickness), .shear_strength = pascals(*strength), .bond_width = metres(width)};
-  if (adhesion > 0) support.plan.shotcrete->adhesion = pascals(adhesion);
-}
-
 void parse_design(const TableReader& owner, SupportSettings& support) {
   const auto table = owner.sub("design");
   if (!table) return;
@@ -446,8 +420,9 @@ const KeyTable& support_keys() {
           {"spot", key::table(&spot_keys), "",
            "bolts added one by one to blocks that pattern and shotcrete do not hold, below"},
           {"shotcrete", key::table(&shotcrete_keys), "",
-           "holds blocks of any size by shear along the edge of their free faces against rock that stays, limited by "
-           "adhesion where stated; counts together with bolts; bending between bolts is not checked; below"},
+           "holds blocks of any size by shear along the edge of the sprayed faces that they come out through, against "
+           "rock that stays, limited by adhesion where stated; counts together with bolts; bending between bolts is "
+           "not checked; below"},
           {"spot_area", key::number(area_rule), "0.5",
            "m2 of free face of a block: below, it is small: no spot bolts, and apart in the summary"},
           {"most_pressure", key::number(rule::strength), "2e6",
@@ -468,8 +443,9 @@ const KeyTable& support_keys() {
 }
 
 std::optional<SupportSettings> parse_support(const Context& context, const TableReader& root,
+                                             const std::optional<geometry::Solid>& domain,
                                              const std::vector<Excavation>& excavations,
-                                             const std::optional<StabilitySettings>& stability) {
+                                             const ParsedStability& stability) {
   const auto found = root.sub("support");
   if (!found) return std::nullopt;
   const TableReader& table = *found;
@@ -478,15 +454,15 @@ std::optional<SupportSettings> parse_support(const Context& context, const Table
   parse_bolts(context, table, excavations, support);
   note_twice(table, support);
   parse_spot(table, support);
-  parse_shotcrete(table, support);
+  parse_shotcrete(table, domain, excavations, stability.free_domain_tags, support);
   parse_design(table, support);
   support.plan.active = table.choice("action") == std::size_t{1};
   support.plan.spot_area = square_metres(table.value("spot_area"));
   support.plan.most_pressure = pascals(table.value("most_pressure"));
   support.plan.key_only = table.flag("key_only");
-  if (stability && stability->target) {
-    support.plan.target_falling = stability->target->falling;
-    support.plan.target_sliding = stability->target->sliding;
+  if (stability.settings && stability.settings->target) {
+    support.plan.target_falling = stability.settings->target->falling;
+    support.plan.target_sliding = stability.settings->target->sliding;
   }
   return support;
 }

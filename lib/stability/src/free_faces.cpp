@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "flat.hpp"
+#include "surface_loads.hpp"
 
 namespace cleave::stability {
 
@@ -19,6 +20,8 @@ using topology::Face;
 using topology::FaceId;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
+/// Of a unit normal and a unit direction: less is a motion along the face, but for rounding.
+constexpr double along_face = 1e-9;
 
 bool is_open(const topology::BlockComplex& complex, const Face& face,
              const std::function<bool(topology::BlockId)>& gone) {
@@ -29,6 +32,57 @@ bool is_open(const topology::BlockComplex& complex, const Face& face,
     any = any || patch.neighbour.has_value();
   }
   return any;
+}
+
+bool moves_out_of(const Face& face, Vec3 motion) { return dot(face.outward, motion) > along_face; }
+
+Vec3 push_of_pressure(const topology::BlockComplex& complex, topology::BlockId block, Vec3 motion,
+                      const std::function<bool(topology::BlockId)>& gone) {
+  Vec3 push;
+  for (const FaceId id : complex.blocks()[block].faces) {
+    const Face& face = complex.faces()[id];
+    if (moves_out_of(face, motion) && is_open(complex, face, gone)) push -= face.area.si() * face.outward;
+  }
+  return push;
+}
+
+Sprayed::Sprayed(const topology::BlockComplex& complex, const Shotcrete& layer,
+                 const std::function<bool(topology::BlockId)>& gone)
+    : complex_{&complex}, on_{layer.on}, gone_from_(complex.blocks().size(), std::uint8_t{0}) {
+  if (std::ranges::none_of(complex.blocks().ids(), gone)) return;
+  // First from what is sprayed: a block between both was in front of the layer.
+  for (const std::uint8_t from : {from_sprayed, from_bare}) {
+    std::vector<topology::BlockId> reached;
+    const auto add = [&](topology::BlockId id) {
+      if (!gone(id) || gone_from_[id] != enclosed) return;
+      gone_from_[id] = from;
+      reached.push_back(id);
+    };
+    for (const Face& face : complex.faces()) {
+      if (from == from_sprayed ? on_surface(face) : face.role == topology::Role::free) add(face.block);
+    }
+    while (!reached.empty()) {
+      const topology::BlockId id = reached.back();
+      reached.pop_back();
+      for (const FaceId face_id : complex.blocks()[id].faces) {
+        for (const topology::Patch& patch : complex.patches(complex.faces()[face_id])) {
+          if (patch.neighbour) add(*patch.neighbour);
+        }
+      }
+    }
+  }
+}
+
+bool Sprayed::on_surface(const Face& face) const {
+  if (on_.empty()) return face.role == topology::Role::free && face.excavation.has_value();
+  return std::ranges::any_of(on_, [&](const FreeSurface& surface) { return lies_on(face, surface); });
+}
+
+bool Sprayed::operator()(const Face& face) const {
+  if (face.role != topology::Role::joint) return on_surface(face);
+  return std::ranges::all_of(complex_->patches(face), [&](const topology::Patch& patch) {
+    return !patch.neighbour || gone_from_[*patch.neighbour] != from_bare;
+  });
 }
 
 std::vector<KeyedEdge> keyed_edges(const topology::BlockComplex& complex, topology::BlockId block,
@@ -60,12 +114,14 @@ double held_per_metre(const Shotcrete& layer) {
   return layer.adhesion ? std::min(shear, layer.bond_width.si() * layer.adhesion->si()) : shear;
 }
 
-double keyed_perimeter(const topology::BlockComplex& complex, topology::BlockId block,
-                       const std::function<bool(topology::BlockId)>& loose,
+double keyed_perimeter(const topology::BlockComplex& complex, topology::BlockId block, Vec3 motion,
+                       const Sprayed& sprayed, const std::function<bool(topology::BlockId)>& loose,
                        const std::function<bool(topology::BlockId)>& gone) {
   double perimeter = 0;
   for (const KeyedEdge& edge : keyed_edges(complex, block, gone)) {
+    const Face& open = complex.faces()[edge.open];
     const bool keyed =
+        moves_out_of(open, motion) && sprayed(open) &&
         std::ranges::none_of(complex.patches(complex.faces()[edge.beyond]),
                              [&](const topology::Patch& patch) { return patch.neighbour && loose(*patch.neighbour); });
     if (keyed) perimeter += norm(complex.position(edge.to) - complex.position(edge.from));

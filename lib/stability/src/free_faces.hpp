@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
 
+#include "cleave/core/id.hpp"
 #include "cleave/stability/support.hpp"
 #include "cleave/topology/block_complex.hpp"
 
@@ -12,6 +14,32 @@ namespace cleave::stability {
 /// Whether nothing is left in front of a face: it is free, or all its neighbours are `gone`.
 [[nodiscard]] bool is_open(const topology::BlockComplex& complex, const topology::Face& face,
                            const std::function<bool(topology::BlockId)>& gone);
+
+/// Whether a block that moves comes out through a face: neither along it nor away from it.
+[[nodiscard]] bool moves_out_of(const topology::Face& face, geometry::Vec3 motion);
+
+/// N of 1 Pa against the open faces that a block moves out of.
+[[nodiscard]] geometry::Vec3 push_of_pressure(const topology::BlockComplex& complex, topology::BlockId block,
+                                              geometry::Vec3 motion,
+                                              const std::function<bool(topology::BlockId)>& gone);
+
+/// The open faces that carry a layer of sprayed concrete.
+class Sprayed final {
+ public:
+  Sprayed(const topology::BlockComplex& complex, const Shotcrete& layer,
+          const std::function<bool(topology::BlockId)>& gone);
+  /// Of an open face: it lies on what is sprayed, or was laid bare by what is gone from there. What is gone from
+  /// nowhere lies within the rock, where nobody scales: it is there still, and holds at least as the layer would.
+  [[nodiscard]] bool operator()(const topology::Face& face) const;
+
+ private:
+  [[nodiscard]] bool on_surface(const topology::Face& face) const;
+
+  const topology::BlockComplex* complex_;
+  std::vector<FreeSurface> on_;
+  static constexpr std::uint8_t enclosed = 0, from_sprayed = 1, from_bare = 2;
+  IdVector<topology::BlockId, std::uint8_t> gone_from_;  ///< of gone blocks, one by one behind each other
+};
 
 /// An edge of a block between an open face and a joint face that is not.
 struct KeyedEdge {
@@ -25,9 +53,10 @@ struct KeyedEdge {
 /// N/m: what a layer of sprayed concrete holds along an edge, ring shear limited by adhesion.
 [[nodiscard]] double held_per_metre(const Shotcrete& layer);
 
-/// m: perimeter of a block's open faces along which sprayed concrete is keyed to rock that stays: the block's own joint
-/// face beyond the edge must not lead to another block that is `loose`.
+/// m: perimeter of a block's sprayed faces, of those it moves out of, along which the layer is keyed to rock that
+/// stays: the block's own joint face beyond the edge must not lead to another block that is `loose`.
 [[nodiscard]] double keyed_perimeter(const topology::BlockComplex& complex, topology::BlockId block,
+                                     geometry::Vec3 motion, const Sprayed& sprayed,
                                      const std::function<bool(topology::BlockId)>& loose,
                                      const std::function<bool(topology::BlockId)>& gone);
 

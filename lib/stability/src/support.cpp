@@ -15,6 +15,7 @@
 #include "bolt_paths.hpp"
 #include "contacts.hpp"
 #include "domain_held.hpp"
+#include "face_pressures.hpp"
 #include "free_faces.hpp"
 #include "strengths_over.hpp"
 #include "supported_body.hpp"
@@ -53,6 +54,7 @@ class Check final {
         paths_{complex},
         gone_{[this](BlockId id) { return !model_.present(id, 1); }},
         scaled_{std::ranges::any_of(complex.blocks().ids(), gone_)},
+        sprayed_{complex, plan.shotcrete.value_or(Shotcrete{}), gone_},
         needy_(complex.blocks().size(), none),
         looked_at_(complex.blocks().size(), std::uint8_t{0}) {}
 
@@ -117,23 +119,6 @@ class Check final {
     return least ? whole * least->share : infinite;
   }
 
-  /// Pa, of which 1 on its free faces gives `push`, that brings the body to its target; infinite where none does.
-  [[nodiscard]] double pressure_needed(const Body& body, Vec3 push) const {
-    const double against = -dot(push, body.bare.direction), whole = norm(push);
-    if (against > 1e-9 * whole) {
-      const double limit = 4 * body.target * body.bare.driving / against;
-      const double found = least_multiple(body, limit * push, limit);
-      if (std::isfinite(found)) return found;
-    }
-    // What presses across the motion holds by friction alone, more of it where the faces are smooth.
-    for (double times = 1; whole > 0 && times <= 1024; times *= 4) {
-      const double limit = times * body.target * body.bare.driving / whole;
-      const double found = least_multiple(body, limit * push, limit);
-      if (std::isfinite(found)) return found;
-    }
-    return infinite;
-  }
-
   void find_needy() {
     received_by_ = IdVector<BlockId, ForceSum>(complex_->blocks().size());
     for (const Judgement& giver : pushing_->judgements) {
@@ -155,36 +140,37 @@ class Check final {
       SupportedBlock entry{.block = id, .mode = body->bare.mode, .target = body->target};
       entry.net_force = body->bare.net;
       entry.factor_of_safety = body->bare.factor_of_safety;
-      Vec3 push;  // of 1 Pa on the free faces
+      Vec3 outward;
       for (const FaceId face_id : block.faces) {
         const Face& face = complex_->faces()[face_id];
         if (!is_open(*complex_, face, gone_)) continue;
         entry.free_area += face.area;
-        push -= face.area.si() * face.outward;
+        outward += face.area.si() * face.outward;
       }
       entry.small = entry.free_area < plan_->spot_area;
-      if (norm(push) > 1e-9 * entry.free_area.si()) entry.free_outward = -push / norm(push);
+      if (norm(outward) > 1e-9 * entry.free_area.si()) entry.free_outward = outward / norm(outward);
       const SingleForce least = best_force(*body, *settings_);
       entry.required_direction = least.direction;
       entry.required_force = least.force;
-      entry.required_pressure = pressure_needed(*body, push);
-      entry.own_pressure = entry.required_pressure;
-      if (const ForceSum& received = received_by_[id]; received.force != Vec3{}) {
-        entry.received = norm(received.force);
-        Body own = *body;
-        own.resultant.add(-received.force, received.scale);
-        own.contacts = model_.contacts_of({&id, 1}, 1);
-        own.bare = judge(own.contacts, own.resultant, *settings_);
-        keep_cohesion_of(own.bare, own.resultant, settings_->parallel_contact, own.contacts);
-        own.target = target_of(own.bare.mode, *plan_);
-        entry.own_pressure = moves(own.bare.mode) && own.lacks() ? pressure_needed(own, push) : 0;
-        entry.passed_on = pascals(entry.required_pressure) > plan_->most_pressure &&
-                          !(pascals(entry.own_pressure) > plan_->most_pressure);
-      }
+      ask_pressures(entry, *body);
       needy_[id] = static_cast<std::uint32_t>(bodies_.size());
       bodies_.push_back(*std::move(body));
       result_.blocks.push_back(entry);
     }
+  }
+
+  void ask_pressures(SupportedBlock& entry, const Body& body) {
+    if (!pressures_) pressures_.emplace(*complex_, *settings_, *pushing_, *plan_, gone_);
+    entry.required_pressure = pressures_->needed(entry.block, body);
+    entry.own_pressure = entry.lining_pressure = entry.required_pressure;
+    const ForceSum& received = received_by_[entry.block];
+    if (received.force == Vec3{}) return;
+    entry.received = norm(received.force);
+    entry.own_pressure = pressures_->needed_alone(entry.block);
+    const auto too_much = [&](double pressure) { return pascals(pressure) > plan_->most_pressure; };
+    entry.passed_on = too_much(entry.required_pressure) && !too_much(entry.own_pressure);
+    entry.lining_pressure = pressures_->needed_with_givers(entry.block);
+    if (entry.passed_on && too_much(entry.lining_pressure)) entry.lining_pressure = entry.own_pressure;
   }
 
   void add_bolt(const Bolt& bolt, bool spot) {
@@ -316,10 +302,11 @@ class Check final {
   /// What the layer can carry round the block, N.
   double shotcrete(SupportedBlock& entry) {
     const Shotcrete& layer = *plan_->shotcrete;
-    const double perimeter =
-        keyed_perimeter(*complex_, entry.block, [&](BlockId other) { return needy_[other] != none; }, gone_);
-    const double hold = perimeter * held_per_metre(layer);
     const Body& body = bodies_[needy_[entry.block]];
+    const double perimeter = keyed_perimeter(
+        *complex_, entry.block, body.bare.direction, sprayed_, [&](BlockId other) { return needy_[other] != none; },
+        gone_);
+    const double hold = perimeter * held_per_metre(layer);
     const double rock = body.bare.resistance.least;
     entry.factor_with_shotcrete = (rock + hold) / body.bare.driving;
     const double lack = body.target * body.bare.driving - rock;
@@ -476,8 +463,10 @@ class Check final {
   std::uint32_t last_state_ = 1;
   TruncatedBlocks truncated_blocks_;
   BoltPaths paths_;
-  std::function<bool(BlockId)> gone_;          ///< scaled off before the support
-  bool scaled_;                                ///< some block is
+  std::function<bool(BlockId)> gone_;  ///< scaled off before the support
+  bool scaled_;                        ///< some block is
+  Sprayed sprayed_;
+  std::optional<FacePressures> pressures_;     ///< once a block needs support
   IdVector<BlockId, std::uint32_t> needy_;     ///< index into bodies_ and result_.blocks
   IdVector<BlockId, std::uint8_t> looked_at_;  ///< by `note_border`
   IdVector<BlockId, ForceSum> received_by_;

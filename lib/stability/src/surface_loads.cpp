@@ -19,14 +19,6 @@ using topology::BlockId;
 using topology::Face;
 using topology::FaceId;
 
-bool lies_on(const Face& face, const FreeSurface& surface) {
-  if (face.role != topology::Role::free) return false;
-  return std::visit(overloaded{[](AnyFreeFace) { return true; },
-                               [&](DomainSide side) { return !face.excavation && face.tag == side.tag; },
-                               [&](ExcavationWall wall) { return face.excavation == wall.excavation; }},
-                    surface);
-}
-
 double distance_to_segment(Vec3 x, Vec3 a, Vec3 b) {
   const Vec3 along = b - a;
   const double length = dot(along, along);
@@ -133,6 +125,14 @@ Moments loaded(const BlockComplex& complex, const Face& face, const Surcharge& l
 }
 
 }  // namespace
+
+bool lies_on(const Face& face, const FreeSurface& surface) {
+  if (face.role != topology::Role::free) return false;
+  return std::visit(overloaded{[](AnyFreeFace) { return true; },
+                               [&](DomainSide side) { return !face.excavation && face.tag == side.tag; },
+                               [&](ExcavationWall wall) { return face.excavation == wall.excavation; }},
+                    surface);
+}
 
 void for_each_surface_load(const BlockComplex& complex, const Actions& actions,
                            const std::function<void(BlockId, Vec3 force, Vec3 at)>& visit) {

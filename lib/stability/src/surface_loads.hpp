@@ -20,6 +20,9 @@ struct ForceSum {
   }
 };
 
+/// Whether a free face is part of a free surface.
+[[nodiscard]] bool lies_on(const topology::Face& face, const FreeSurface& surface);
+
 /// Calls visit(block, force, at) for each of surcharge, line and point forces, N and m.
 void for_each_surface_load(
     const topology::BlockComplex& complex, const Actions& actions,

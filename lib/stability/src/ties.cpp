@@ -51,26 +51,28 @@ Ties::Ties(const topology::BlockComplex& complex, const Settings& settings, cons
   }
   std::ranges::copy_if(bolts, std::back_inserter(bolts_), [](const BoltResult& b) { return b.pierced.size() > 1; });
   if (!plan.shotcrete) return;
-  const double per_metre = held_per_metre(*plan.shotcrete);
-  const std::function<bool(BlockId)> gone = [&](BlockId id) { return !model.present(id, 1); };
-  for (const BlockId id : complex.blocks().ids()) {
-    if (!complex.blocks()[id].fixed && !gone(id)) add_seams(id, per_metre, gone);
-  }
+  add_seams(*plan.shotcrete, [&](BlockId id) { return !model.present(id, 1); });
 }
 
-void Ties::add_seams(BlockId block, double per_metre, const std::function<bool(BlockId)>& gone) {
-  for (const KeyedEdge& edge : keyed_edges(*complex_, block, gone)) {
-    // Where several blocks lie beyond, the edge may run along any of them.
-    std::optional<BlockId> beyond;
-    bool one = true;
-    for (const topology::Patch& patch : complex_->patches(complex_->faces()[edge.beyond])) {
-      if (!patch.neighbour) continue;
-      one = one && (!beyond || *beyond == *patch.neighbour);
-      beyond = patch.neighbour;
+void Ties::add_seams(const Shotcrete& layer, const std::function<bool(BlockId)>& gone) {
+  const double per_metre = held_per_metre(layer);
+  const Sprayed sprayed{*complex_, layer, gone};
+  for (const BlockId id : complex_->blocks().ids()) {
+    if (complex_->blocks()[id].fixed || gone(id)) continue;
+    for (const KeyedEdge& edge : keyed_edges(*complex_, id, gone)) {
+      if (!sprayed(complex_->faces()[edge.open])) continue;
+      // Where several blocks lie beyond, the edge may run along any of them.
+      std::optional<BlockId> beyond;
+      bool one = true;
+      for (const topology::Patch& patch : complex_->patches(complex_->faces()[edge.beyond])) {
+        if (!patch.neighbour) continue;
+        one = one && (!beyond || *beyond == *patch.neighbour);
+        beyond = patch.neighbour;
+      }
+      if (!beyond || !one) continue;
+      const Vec3 a = complex_->position(edge.from), b = complex_->position(edge.to);
+      seams_.push_back({id, *beyond, 0.5 * (a + b), complex_->faces()[edge.open].outward, per_metre * norm(b - a)});
     }
-    if (!beyond || !one) continue;
-    const Vec3 a = complex_->position(edge.from), b = complex_->position(edge.to);
-    seams_.push_back({block, *beyond, 0.5 * (a + b), complex_->faces()[edge.open].outward, per_metre * norm(b - a)});
   }
 }
 

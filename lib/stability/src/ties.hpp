@@ -14,7 +14,7 @@
 namespace cleave::stability {
 
 /// Support between blocks judged together: bolts pull along their axes only, between the pieces of rock that they go
-/// through; sprayed concrete holds a block along each edge of its free faces against the block beyond it, straight
+/// through; sprayed concrete holds a block along each edge of its sprayed faces against the block beyond it, straight
 /// against what would come out of the face.
 class Ties final {
  public:
@@ -38,7 +38,7 @@ class Ties final {
     double force = 0;  ///< N
   };
 
-  void add_seams(topology::BlockId block, double per_metre, const std::function<bool(topology::BlockId)>& gone);
+  void add_seams(const Shotcrete& layer, const std::function<bool(topology::BlockId)>& gone);
   [[nodiscard]] double target(topology::BlockId block, topology::BlockId other) const;
 
   const topology::BlockComplex* complex_;

@@ -575,7 +575,7 @@ struct PressureAt {
   Area area;
   Stress pressure;
 };
-/// What a block asks for; of one that others press on beyond what its faces can take, what it asks for by itself.
+/// What a block asks of a lining, which presses on those that pass to it, too.
 [[nodiscard]] Stress pressure_asked_at(const stability::SupportedBlock& block);
 [[nodiscard]] std::vector<PressureFigures> pressure_diagram(std::vector<PressureAt> blocks);
 /// Pressure that this share of the blocks' area needs no more than; zero without area.

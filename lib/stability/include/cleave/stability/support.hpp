@@ -90,12 +90,13 @@ struct BoltForce {
 /// of the joint, so that its kind's shear counts. `movement` is a unit vector.
 [[nodiscard]] BoltForce force_against(const Bolt& bolt, Capacity tension, bool dowel, geometry::Vec3 movement);
 
-/// Ring shear along the edge of a small free face (Barrett and McCreath 1995).
+/// Ring shear along the edge of a small free face (Barrett and McCreath 1995), of those that the block moves out of.
 struct Shotcrete {
   Length thickness = {};
   Stress shear_strength = {};
   std::optional<Stress> adhesion = {};  ///< where it limits what the layer holds
   Length bond_width = metres(0.03);
+  std::vector<FreeSurface> on = {};  ///< where it is sprayed; empty: on the walls of all excavations
 };
 
 struct SpotBolts {
@@ -203,9 +204,12 @@ struct SupportedBlock {
   geometry::Vec3 free_outward = {};        ///< mean of its free faces' outward normals by area; zero when they cancel
   double required_force = 0;               ///< N: least single force that reaches the target without other support
   geometry::Vec3 required_direction = {};  ///< unit, of that force
-  double required_pressure = 0;            ///< Pa on its free faces that reaches the target; inf when none does
+  double required_pressure = 0;            ///< Pa on the free faces it moves out of, for the target; inf when none does
   double received = 0;                     ///< N, what blocks of later batches pass to it
   double own_pressure = 0;                 ///< Pa, `required_pressure` without what it received
+  /// Pa, `required_pressure` where the same pressure is on the blocks that pass to it: at what these need themselves
+  /// they pass nothing on. Where that is beyond the plan's `most_pressure` too, and it is `passed_on`: `own_pressure`.
+  double lining_pressure = 0;
   /// Its free faces cannot take what it received: the pressure is beyond the plan's `most_pressure`, its own is not.
   /// The blocks that pass it have to be held.
   bool passed_on = false;
