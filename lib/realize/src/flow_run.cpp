@@ -143,7 +143,9 @@ class FlowRun {
     auto network = flow::Network::make(std::move(spec));
     if (!network)
       return std::unexpected(problem(describe(network.error()), "report this scene: it is a bug in cleave"));
-    auto solved = flow::solve(*network, {.tolerance = settings_.tolerance, .most_triangles = settings_.most_triangles});
+    auto solved = flow::solve(*network, {.tolerance = settings_.tolerance,
+                                         .pressures = acts_on_blocks(scene_),
+                                         .most_triangles = settings_.most_triangles});
     if (!solved) return std::unexpected(refused(solved.error()));
     out_.flow = *std::move(solved);
     for (std::size_t s = 0; s < out_.surfaces.size(); ++s) out_.surfaces[s].passed = out_.flow->surfaces[s];

@@ -98,6 +98,8 @@ struct FlowOptions {
   /// The mesh is refined until the half widths of the rates out of drained surfaces (of standing water, where nothing
   /// is drained) add up to no more than this share of the rates.
   double tolerance = 0.02;
+  /// Heads of pressure are used: it is also refined until `FlowRound::pressures` is no more than the tolerance.
+  bool pressures = false;
   std::size_t most_triangles = 1'000'000;
 };
 
@@ -126,6 +128,9 @@ enum class FlowStatus : std::uint8_t {
 struct FlowRound {
   std::size_t triangles = 0;
   double width = 0;  ///< relative, as FlowOptions::tolerance is meant
+  /// Where asked for: of the flat piece of joint where it is most, the integral of the square by which the gradients of
+  /// the two solutions differ, over the square of the largest head of pressure there. A measure, not a bound.
+  double pressures = 0;
 };
 
 /// Two solutions on one mesh: heads that are continuous (linear in triangles), and rates that are balanced to the last
