@@ -78,23 +78,23 @@ class Level final {
     low_.col(0) = balanced_.heads.col(0);
     high_ = Eigen::MatrixXd::Zero(rows(corners_), columns);
     continuous_ = {.heads = {}, .held = std::vector<std::uint8_t>(corners_.count)};
-    std::vector<std::uint8_t> fixed(middles_.count, 0), fixed_corners(corners_.count, 0);
+    std::vector<std::uint8_t> fixed(corners_.count, 0);
     for (const bool of_drained : {true, false}) {  // where they touch, standing water counts
       for_each_open([&](std::size_t b, Index side) {
         if (drained(b) != of_drained) return;
         const Border& border = mesh_.borders[b];
         const auto column = static_cast<Column>(1 + group_of_[border.surface]);
-        low_(side, column) = fixed[side] = 1;
+        low_(side, column) = 1;
         for_each_corner(side, border, [&](Index corner, Index point) {
           if (!of_drained) high_.row(corner).setZero();
           high_(corner, 0) = head_at(border.surface, mesh_.points[point]);
-          high_(corner, column) = fixed_corners[corner] = 1;
+          high_(corner, column) = fixed[corner] = 1;
           continuous_.held[corner] = of_drained ? 1 : 0;
         });
       });
     }
-    CLEAVE_CHECK(fill(LeastEnergy{middles_, stiffness_, wet_, std::move(fixed)}, low_));
-    CLEAVE_CHECK(fill(LeastEnergy{corners_, stiffness_, wet_, std::move(fixed_corners)}, high_));
+    CLEAVE_CHECK(fill(*balanced_.equations, low_));
+    CLEAVE_CHECK(fill(LeastEnergy{corners_, stiffness_, wet_, std::move(fixed)}, high_));
     continuous_.heads = high_.col(0);
     const std::vector<std::uint8_t> held = continuous_.held;
     CLEAVE_CHECK(press(corners_, standing_corners_, ceiling_of_corners_, true, continuous_));
@@ -236,12 +236,13 @@ class Level final {
   /// head of pressure there: the mean square, whatever its transmissivity. Marks triangles of those above `tolerance`.
   double gap_of_pressures(double tolerance, std::vector<std::uint8_t>& marked) const {
     const std::size_t parts = network_.transmissivity().size();
-    std::vector<double> gap(parts, 0), pressure(parts, 0), share(mesh_.triangles.size(), 0);
+    std::vector<double> gap(parts, 0), pressure(parts, 0), count(parts, 0), share(mesh_.triangles.size(), 0);
     for (std::size_t t = 0; t < share.size(); ++t) {
       if (wet_[t] == 0) continue;
       const Index part = mesh_.part[t];
       share[t] = gap_of_heads_[t] / transmissivity(t);
       gap[part] += share[t];
+      count[part] += 1;
       for (std::size_t k = 0; k < 3; ++k) {
         const double head = continuous_.heads(corners_.of[t][k], 0) - mesh_.points[mesh_.triangles[t][k]].z;
         pressure[part] = std::max(pressure[part], head);
@@ -249,16 +250,16 @@ class Level final {
     }
     const double least = 1e-9 * extent_of(mesh_);
     double widest = 0;
-    std::vector<std::uint8_t> wide(parts, 0);
     for (std::size_t p = 0; p < parts; ++p) {
-      const double width = gap[p] / (std::max(pressure[p], least) * std::max(pressure[p], least));
-      widest = std::max(widest, width);
-      wide[p] = width > tolerance ? 1 : 0;
+      const double head = std::max(pressure[p], least);
+      widest = std::max(widest, gap[p] / (head * head));
+      pressure[p] = head * head;
     }
     for (std::size_t t = 0; t < share.size(); ++t) {
-      if (wide[mesh_.part[t]] == 0) share[t] = 0;
+      const Index p = mesh_.part[t];
+      const double most = tolerance * pressure[p];
+      if (gap[p] > most && share[t] > most / count[p]) marked[t] = 1;
     }
-    mark_half(share, marked);
     return widest;
   }
 
@@ -290,6 +291,7 @@ class Level final {
     double passes = 0;           ///< m3/s, in at standing water
     double transmissivity = 0;   ///< sum over triangles
     double rounds_off = 0;       ///< m3/s
+    double open = 0, dry = 0;    ///< m, of drained surfaces
     Rate drained = {};           ///< out of drained surfaces, where just what is dry now is closed
     double above = 0;            ///< bound of the same, whatever is dry
   };
@@ -307,6 +309,9 @@ class Level final {
   }
   [[nodiscard]] Vec3 middle_of(const Border& border) const {
     return 0.5 * (mesh_.points[border.ends[0]] + mesh_.points[border.ends[1]]);
+  }
+  [[nodiscard]] double length_of(const Border& border) const {
+    return geometry::norm(mesh_.points[border.ends[1]] - mesh_.points[border.ends[0]]);
   }
   /// Borders that water passes.
   void for_each_open(const auto& visit) const {
@@ -514,6 +519,7 @@ class Level final {
       }
       basin.held = basin.held || open_[b] != 0;
       basin.dries = basin.dries || open_[b] == 0;
+      (open_[b] != 0 ? basin.open : basin.dry) += length_of(mesh_.borders[b]);
       // What comes out where the continuous heads lie below the surface: the integral of q (z - u), twice.
       for_each_corner(side, mesh_.borders[b], [&](Index corner, Index point) {
         gap_of_heads_[t] += out * (mesh_.points[point].z - continuous_.heads(corner, 0));
@@ -579,8 +585,9 @@ class Level final {
     if (!basin.drains || basin.level <= basin.lowest) return 0;  // no head is above the highest level
     const double out = basin.drained.value, fall = basin.level - basin.lowest;
     const double head = out > 0 ? std::min(basin.energy / out, fall) : fall;
-    const double share = basin.energy > 0 ? std::cbrt(1.5 * basin.gap / basin.energy) : 0.5;
-    return head * (basin.dries ? std::clamp(share, 0.005, 0.5) : 0.5);
+    const double dry = std::max(basin.dry / (basin.open + basin.dry), basin.dries ? 1e-3 : 0);
+    const double share = std::cbrt(1.5 * basin.gap / (basin.energy * dry));
+    return head * (share > 0 ? std::clamp(share, 0.005, 0.5) : 0.5);
   }
 
   /// m3/s: what is rounding, of what the network could carry at a gradient of 1.
@@ -599,7 +606,7 @@ class Level final {
       const Border& border = mesh_.borders[b];
       if (wet_[sides_.triangles(side_of_border_[b]).front()] == 0) continue;
       SurfaceFlow& own = flow.surfaces[border.surface];
-      const double length = geometry::norm(mesh_.points[border.ends[1]] - mesh_.points[border.ends[0]]);
+      const double length = length_of(border);
       (open_[b] != 0 ? own.open_length : own.dry_length) += metres(length);
       if (open_[b] == 0) continue;
       const double out = out_of(side_of_border_[b]);

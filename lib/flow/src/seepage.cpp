@@ -55,8 +55,9 @@ bool fill(const Equations& equations, std::span<const std::uint8_t> standing, co
     fixed[n] = 1;
     seepage.heads(Row{n}, 0) = ceiling.at[n];
   }
-  const LeastEnergy energy{equations.space, equations.stiffness, equations.wet, std::move(fixed)};
-  const auto residual = energy.fill(seepage.heads);
+  seepage.equations =
+      std::make_shared<const LeastEnergy>(equations.space, equations.stiffness, equations.wet, std::move(fixed));
+  const auto residual = seepage.equations->fill(seepage.heads);
   if (residual) seepage.residual = std::max(seepage.residual, *residual);
   return residual.has_value();
 }

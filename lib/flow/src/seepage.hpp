@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct Seepage {
   std::vector<std::uint8_t> held = {};  ///< numbers at the ceiling
   bool settled = false;
   double residual = 0;
+  std::shared_ptr<const LeastEnergy> equations = {};  ///< the last ones that were solved
 };
 
 /// What hangs together in equations.
