@@ -175,10 +175,15 @@ class FlowRun {
   void note_flow() {
     const flow::Flow& f = *out_.flow;
     if (f.status == flow::FlowStatus::too_many_triangles) {
-      out_.notes.push_back(fmt::format(
-          "[flow]: at {} triangles the bounds of the inflow are still {:.3g} % wide to either side, not {:.3g} "
-          "%: raise max_triangles, or the tolerance",
-          f.mesh.triangles.size(), 100 * f.rounds.back().width, 100 * settings_.tolerance));
+      const flow::FlowRound& last = f.rounds.back();
+      out_.notes.push_back(
+          last.width > settings_.tolerance
+              ? fmt::format("[flow]: at {} triangles the bounds of the inflow are still {:.3g} % wide to either side, "
+                            "not {:.3g} %: raise max_triangles, or the tolerance",
+                            f.mesh.triangles.size(), 100 * last.width, 100 * settings_.tolerance)
+              : fmt::format("[flow]: at {} triangles pressures on blocks are still uncertain (their measure is {:.3g}, "
+                            "not {:.3g}): raise max_triangles, or the tolerance",
+                            f.mesh.triangles.size(), last.pressures, settings_.tolerance));
     }
     if (f.status == flow::FlowStatus::unsettled) {
       out_.notes.emplace_back(
