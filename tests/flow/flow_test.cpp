@@ -177,6 +177,23 @@ TEST(FlowTest, ASquareInASquareIsItsPublishedCapacitance) {
   }
 }
 
+TEST(FlowTest, BoundsBetweenStandingWatersHoldThatCapacitance) {
+  // The same with water in the middle, too: both ends are from the two solutions for one level.
+  auto input = scene(box({0, 0, 0}, {4, 4, 2}), {rectangle(2, 1, {-1, -1}, {5, 5})}, {box({1, 1, 0.5}, {3, 3, 1.5})});
+  const auto built = build(input, {.sides = {{west, at(7)}, {east, at(7)}, {south, at(7)}, {north, at(7)}},
+                                   .excavation = at(2),
+                                   .transmissivity = {1e-6}});
+  constexpr double exact = 10.234092569 * 1e-6 * (7 - 2);
+  for (const double tolerance : {0.2, 0.1, 0.03, 0.01, 0.003}) {
+    const Flow flow = solved(built.network, tolerance);
+    const auto& out = flow.surfaces[built.of_excavation(0)];
+    ASSERT_TRUE(out.bounds.has_value());
+    EXPECT_LE(out.bounds->low, exact);
+    EXPECT_GE(out.bounds->high, exact);
+    EXPECT_LE(0.5 * (out.bounds->high - out.bounds->low), tolerance * exact);
+  }
+}
+
 TEST(FlowTest, ABoreholeDrawsAsThiemSays) {
   // Prisms of 64 corners, radii 1 and 8: polygons inscribed and circumscribed about the circles bound the closed form.
   constexpr int n = 64;
