@@ -132,22 +132,28 @@ void Level::mark_worst(std::span<const Column> wanted, std::vector<std::uint8_t>
 
 double Level::gap_of_pressures(double tolerance, std::vector<std::uint8_t>& marked) const {
   const std::size_t parts = network_.transmissivity().size();
-  std::vector<double> gap(parts, 0), pressure(parts, 0), count(parts, 0), share(mesh_.triangles.size(), 0);
+  std::vector<double> gap(parts, 0), pressure(parts, 0), count(parts, 0), area(parts, 0),
+      share(mesh_.triangles.size(), 0);
   for (std::size_t t = 0; t < share.size(); ++t) {
     if (wet_[t] == 0) continue;
     const Index part = mesh_.part[t];
     share[t] = gap_of_heads_[t] / transmissivity(t);
     gap[part] += share[t];
     count[part] += 1;
+    area[part] += areas_[t];
     for (std::size_t k = 0; k < 3; ++k) {
       const double head = continuous_.heads(corners_.of[t][k], 0) - mesh_.points[mesh_.triangles[t][k]].z;
       pressure[part] = std::max(pressure[part], head);
     }
   }
-  const double least = 1e-9 * extent_of(mesh_);
   double widest = 0;
   for (std::size_t p = 0; p < parts; ++p) {
-    const double head = std::max(pressure[p], least);
+    if (!(pressure[p] > 0)) {
+      gap[p] = 0;
+      continue;
+    }
+    // Less than half a joint's size of water weighs little beside the block on it.
+    const double head = std::max(pressure[p], 0.5 * std::sqrt(area[p]));
     widest = std::max(widest, gap[p] / (head * head));
     pressure[p] = head * head;
   }
