@@ -130,8 +130,8 @@ struct FlowRound {
   /// what is dry there is closed.
   double width = 0;
   /// Where asked for: of the flat piece of joint where it is most, the integral of the square by which the gradients of
-  /// the two solutions differ, over the square of the largest head of pressure there, or of half the root of the piece's
-  /// area, where that is more. A measure, not a bound.
+  /// the two solutions differ, over the square of the largest head of pressure there, or of half the root of the
+  /// piece's area, where that is more. A measure, not a bound.
   double pressures = 0;
 };
 
