@@ -82,6 +82,7 @@ std::expected<void, FlowError> Level::bound_above() {
   }
   for (std::size_t c = 0; c < basins_.size(); ++c) {
     basins_[c].above = raised[c] > 0 ? difference[c] / (2 * raised[c]) : 0;
+    if (basins_[c].touches) basins_[c].above = basins_[c].drained.high;
   }
   return {};
 }
@@ -249,7 +250,7 @@ std::vector<Rate> Level::rates_of(std::span<const Column> groups) const {
 }
 
 double Level::rise_of(const Basin& basin) {
-  if (!basin.drains || basin.level <= basin.lowest) return 0;  // no head is above the highest level
+  if (!basin.drains || basin.touches || basin.level <= basin.lowest) return 0;  // no head is above the highest level
   const double out = basin.drained.value, fall = basin.level - basin.lowest;
   const double head = out > 0 ? std::min(basin.energy / out, fall) : fall;
   const double dry = std::max(basin.dry / (basin.open + basin.dry), basin.dries ? 1e-3 : 0);

@@ -153,6 +153,7 @@ class Level final {
     bool drains = false;         ///< it reaches one
     bool held = false;           ///< and water comes out there, in one of the solutions at least
     bool dries = false;          ///< some of it is dry
+    bool touches = false;        ///< a drained surface meets standing water of its head
     double energy = 0, gap = 0;  ///< of heads: a(u, u), and how much more the continuous one has
     double passes = 0;           ///< m3/s, in at standing water
     double transmissivity = 0;   ///< sum over triangles
@@ -248,8 +249,12 @@ class Level final {
         }
       });
     }
-    for (Index n = 0; n < corners_.count; ++n) {
-      if (standing_corners_[n] != 0) ceiling_of_corners_.at[n] = infinite;
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+      for (const Index n : corners_.of[t]) {
+        if (wet_[t] == 0 || standing_corners_[n] == 0) continue;
+        if (std::isfinite(ceiling_of_corners_.at[n])) basins_[basin_of_[t]].touches = true;
+        ceiling_of_corners_.at[n] = infinite;
+      }
     }
   }
 
