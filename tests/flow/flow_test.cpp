@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -176,6 +177,23 @@ TEST(FlowTest, ASquareInASquareIsItsPublishedCapacitance) {
   }
 }
 
+TEST(FlowTest, BoundsBetweenStandingWatersHoldThatCapacitance) {
+  // The same with water in the middle, too: both ends are from the two solutions for one level.
+  auto input = scene(box({0, 0, 0}, {4, 4, 2}), {rectangle(2, 1, {-1, -1}, {5, 5})}, {box({1, 1, 0.5}, {3, 3, 1.5})});
+  const auto built = build(input, {.sides = {{west, at(7)}, {east, at(7)}, {south, at(7)}, {north, at(7)}},
+                                   .excavation = at(2),
+                                   .transmissivity = {1e-6}});
+  constexpr double exact = 10.234092569 * 1e-6 * (7 - 2);
+  for (const double tolerance : {0.2, 0.1, 0.03, 0.01, 0.003}) {
+    const Flow flow = solved(built.network, tolerance);
+    const auto& out = flow.surfaces[built.of_excavation(0)];
+    ASSERT_TRUE(out.bounds.has_value());
+    EXPECT_LE(out.bounds->low, exact);
+    EXPECT_GE(out.bounds->high, exact);
+    EXPECT_LE(0.5 * (out.bounds->high - out.bounds->low), tolerance * exact);
+  }
+}
+
 TEST(FlowTest, ABoreholeDrawsAsThiemSays) {
   // Prisms of 64 corners, radii 1 and 8: polygons inscribed and circumscribed about the circles bound the closed form.
   constexpr int n = 64;
@@ -275,6 +293,130 @@ TEST(FlowTest, WaterComesOutOfDrainedSurfacesAndNeverGoesIn) {
   EXPECT_DOUBLE_EQ(none.drained.value, 0);
   EXPECT_DOUBLE_EQ(none.surfaces[dry.of_excavation(0)].open_length.si(), 0);
   EXPECT_NEAR(none.imbalance, 0, 1e-9);
+}
+
+/// An upright joint 10 m wide and 10 m high of two triangles: water stands in the west, the east side is drained.
+flow::Network seeping(double level) {
+  flow::NetworkSpec spec;
+  spec.mesh = {.points = {{0, 0, 0}, {10, 0, 0}, {10, 0, 10}, {0, 0, 10}},
+               .triangles = {{0, 1, 2}, {0, 2, 3}},
+               .part = {0, 0},
+               .borders = {{{1, 2}, 0}, {{3, 0}, 1}}};
+  spec.transmissivity = {Transmissivity::from_si(1)};
+  spec.surfaces = {Drained{}, at(level)};
+  return flow::Network::make(std::move(spec)).value();
+}
+
+TEST(FlowTest, WaterSeepsOutWhereTheFirstMeshHasNoSide) {
+  // The only drained side of the first mesh has its middle above the water; water comes out at its foot all the same.
+  // Finite differences on grids of 40 to 320 cells a side, carried on to cells of no size.
+  constexpr std::array<std::pair<double, double>, 6> cases{
+      {{0.5, 0.0848}, {1, 0.204}, {3, 0.9103}, {4, 1.3887}, {5, 1.9469}, {8, 4.052}}};
+  for (const auto& [level, exact] : cases) {
+    SCOPED_TRACE(level);
+    double low = 0, high = 1e9;
+    for (const double tolerance : {0.1, 0.02, 0.005}) {
+      const Flow flow = solved(seeping(level), tolerance);
+      EXPECT_EQ(flow.status, FlowStatus::converged);
+      EXPECT_NEAR(flow.drained.value, exact, tolerance * exact);
+      EXPECT_LE(flow.drained.low, exact * 1.001);
+      EXPECT_GE(flow.drained.high, exact * 0.999);
+      EXPECT_LE(0.5 * (flow.drained.high - flow.drained.low), tolerance * flow.drained.value);
+      // Coarse meshes promise nothing that finer ones deny.
+      EXPECT_GE(flow.drained.high, low);
+      EXPECT_LE(flow.drained.low, high);
+      low = std::max(low, flow.drained.low);
+      high = std::min(high, flow.drained.high);
+      EXPECT_GT(flow.surfaces[0].dry_length.si(), 0);
+      EXPECT_FALSE(flow.surfaces[1].bounds.has_value()) << "of one surface alone, where some is dry";
+      for (std::size_t t = 0; t < flow.mesh.triangles.size(); ++t) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          const geometry::Vec3 p = flow.mesh.points[flow.mesh.triangles[t][k]];
+          EXPECT_TRUE(p.x < 10 || flow.head[t][k].si() <= p.z + 1e-9);
+        }
+      }
+      for (std::size_t b = 0; b < flow.mesh.borders.size(); ++b) {
+        EXPECT_TRUE(flow.mesh.borders[b].surface != 0 || flow.out_of_border[b].si() >= -1e-12);
+      }
+    }
+  }
+}
+
+TEST(FlowTest, ACoarseMeshsBoundsHoldWhateverIsDry) {
+  for (const double level : {0.5, 2.0, 4.0, 6.0, 9.0}) {
+    SCOPED_TRACE(level);
+    const Flow fine = solved(seeping(level), 0.003);
+    for (const std::size_t triangles : {2U, 20U, 60U, 150U, 400U, 900U}) {
+      const Flow coarse = flow::solve(seeping(level), {.tolerance = 1e-6, .most_triangles = triangles}).value();
+      EXPECT_EQ(coarse.status, FlowStatus::too_many_triangles);
+      EXPECT_LE(coarse.drained.low, fine.drained.high);
+      EXPECT_GE(coarse.drained.high, fine.drained.low);
+    }
+  }
+}
+
+TEST(FlowTest, AFeebleJointsInflowIsAsGoodAsAPermeableOnes) {
+  // One joint drains the other way than a far more permeable one: what is rounding there is not rounding here.
+  auto input =
+      scene(box({0, 0, 0}, {4, 4, 2}), {rectangle(2, 1, {-1, -1}, {5, 5}), rectangle(2, 1.9, {-1, -1}, {5, 5})},
+            {box({1, 1, 0.5}, {3, 3, 1.5})});
+  const auto built = build(input, {.sides = {{west, at(7)}, {east, at(7)}, {south, at(7)}, {north, at(7)}},
+                                   .transmissivity = {1e-18, 1e-2}});
+  constexpr double exact = 10.234092569 * 1e-18 * (7 - 1);
+  const Flow flow = solved(built.network, 0.01);
+  EXPECT_EQ(flow.status, FlowStatus::converged);
+  EXPECT_LE(flow.drained.low, exact);
+  EXPECT_GE(flow.drained.high, exact);
+  EXPECT_LE(0.5 * (flow.drained.high - flow.drained.low), 0.01 * exact);
+}
+
+TEST(FlowTest, WhatPassesByADryOpeningIsNoInflow) {
+  // Water passes from 1 m to 0.5 m under a chamber that begins at 1.2 m, and under one that begins at 0.8 m.
+  for (const double lowest : {1.2, 0.8}) {
+    auto input = scene(room(), {rectangle(1, 1, {-1, -1}, {5, 5})}, {box({2.5, 0.5, lowest}, {3.5, 1.5, 1.8})});
+    const auto built = build(input, {.sides = {{west, at(1)}, {east, at(0.5)}}, .transmissivity = {1e-6}});
+    const Flow flow = solved(built.network, 0.05);
+    EXPECT_EQ(flow.status, FlowStatus::converged);
+    EXPECT_EQ(flow.drained.value, 0);
+    EXPECT_LE(flow.drained.high, 0.05 * -flow.surfaces[built.of_tag(west)].out.si() * 1.1);
+    EXPECT_EQ(flow.drained.high == 0, lowest > 1) << "no head is above the highest level";
+  }
+}
+
+TEST(FlowTest, HeadsAreAsGoodInFeebleJointsAsInPermeableOnes) {
+  // Two joints that do not touch; nearly all of the water is in one, so its bounds say nothing of the other.
+  flow::NetworkSpec spec;
+  const flow::Mesh one = seeping(4).mesh();
+  spec.mesh = one;
+  for (geometry::Vec3 p : one.points) {
+    p.y += 5;
+    spec.mesh.points.push_back(p);
+  }
+  spec.mesh.triangles.push_back({4, 5, 6});
+  spec.mesh.triangles.push_back({4, 6, 7});
+  spec.mesh.part = {0, 0, 1, 1};
+  spec.mesh.borders.push_back({{5, 6}, 2});
+  spec.mesh.borders.push_back({{7, 4}, 3});
+  spec.transmissivity = {Transmissivity::from_si(1e-9), Transmissivity::from_si(1)};
+  spec.surfaces = {Drained{}, at(6), Drained{}, at(30)};
+  const auto network = flow::Network::make(std::move(spec)).value();
+  const auto pressure = [&](double tolerance, bool pressures) {  // m3, of the feeble one
+    const Flow flow = flow::solve(network, {.tolerance = tolerance, .pressures = pressures}).value();
+    EXPECT_EQ(flow.status, FlowStatus::converged);
+    EXPECT_LE(flow.rounds.back().pressures, tolerance);
+    double sum = 0;
+    for (std::size_t t = 0; t < flow.mesh.triangles.size(); ++t) {
+      if (flow.mesh.part[t] != 0) continue;
+      const auto& [a, b, c] = flow.mesh.triangles[t];
+      const double area =
+          0.5 * norm(cross(flow.mesh.points[b] - flow.mesh.points[a], flow.mesh.points[c] - flow.mesh.points[a]));
+      for (std::size_t k = 0; k < 3; ++k) sum += area / 3 * flow.head[t][k].si();
+    }
+    return sum;
+  };
+  const double fine = pressure(0.0005, true);
+  EXPECT_NEAR(pressure(0.02, true), fine, 0.02 * fine);
+  EXPECT_GT(std::abs(pressure(0.02, false) - fine), 0.02 * fine) << "the inflow alone does not ask for it";
 }
 
 TEST(FlowTest, HeadsThatMeetAreRefused) {

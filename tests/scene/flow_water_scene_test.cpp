@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -57,6 +58,30 @@ TEST(FlowWaterScene, StillWaterPressesAsATableDoes) {
                                             "water = { table = 5, unit_weight = 10300, free_faces = true }\n")));
   EXPECT_EQ(notes_with(flow, "do not act on blocks"), 0U);
   EXPECT_EQ(notes_with(run_of(with_box(slab + strength + open + "[flow]\n" + flooded)), "do not act on blocks"), 1U);
+}
+
+TEST(FlowWaterScene, AFaultElsewhereDoesNotLeavePressuresCoarse) {
+  // Nearly all of the inflow is in the fault; what feeds the joints under the block is thousands of times less.
+  const std::string scene =
+      "schema = 1\n[domain]\nbox = { min = [0, 0, 0], max = [10, 2, 20] }\n"
+      "[[joint]]\nset = \"base\"\npolygon = [[-2, -1, 8.5], [12, -1, 1.5], [12, 5, 1.5], [-2, 5, 8.5]]\n"
+      "[[joint]]\nset = \"rear\"\npolygon = [[3, -1, 6], [3, 5, 6], [3, 5, 21], [3, -1, 21]]\n"
+      "[[joint]]\nset = \"feed\"\npolygon = [[5, 0.75, -1], [7, 0.75, -1], [7, 0.75, 4], [5, 0.75, 5]]\n"
+      "[[joint]]\nset = \"fault\"\npolygon = [[8, -1, -0.5], [11, -1, 1.5], [11, 5, 1.5], [8, 5, -0.5]]\n"
+      "[joints.feed]\nfriction = 30\naperture = 5e-5\n[joints.fault]\nfriction = 30\naperture = 1e-3\n"
+      "[joints.base]\nfriction = 38\naperture = 1e-4\n[joints.rear]\nfriction = 20\naperture = 1e-4\n"
+      "[stability]\nfree = [\"top\", \"east\", \"south\", \"north\"]\nwater = { flow = true }\n"
+      "[[flow.side]]\nface = \"west\"\nclosed = true\n[[flow.side]]\nface = \"south\"\nclosed = true\n"
+      "[[flow.side]]\nface = \"north\"\nclosed = true\n[[flow.side]]\nface = \"bottom\"\nlevel = 120\n[flow]\n";
+  const auto factor = [&](const std::string& tolerance) {
+    const auto result = run_of(scene + tolerance);
+    EXPECT_EQ(result.flow->flow->status, flow::FlowStatus::converged);
+    double least = 1e9;
+    for (const auto& own : result.analysis->judgements) least = std::min(least, own.factor_of_safety);
+    return least;
+  };
+  EXPECT_NEAR(factor("tolerance = 0.02\n"), 0.875, 0.02 * 0.875);
+  EXPECT_NEAR(factor("tolerance = 0.002\n"), 0.875, 0.004 * 0.875);
 }
 
 TEST(FlowWaterScene, PressureFallsEvenlyToAnOpenFace) {

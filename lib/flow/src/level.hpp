@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <expected>
-#include <numeric>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -16,51 +16,17 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/flow/flow.hpp"
 #include "discretisation.hpp"
+#include "seepage.hpp"
+#include "shape.hpp"
 #include "space.hpp"
 
 /// One mesh of the series: heads, what is open, rates with bounds, and where the error is.
 namespace cleave::flow {
 
-using geometry::Vec3;
 using Column = Eigen::Index;
 
 /// Heads that differ by less, of the extent of the network, are one.
 inline constexpr double same_head = 1e-9;
-
-/// Stiffness and area of a triangle of unit transmissivity. A needle so thin that its corners' positions do not tell
-/// its height any more counts as high as they can tell: what it lets through hardly hangs on it.
-struct Shape {
-  Stiffness stiffness{};
-  double area = 0;
-};
-inline Shape shape_of(const Mesh& mesh, std::size_t t) {
-  constexpr double thinnest = 1e-12;
-  const auto& corners = mesh.triangles[t];
-  std::array<Vec3, 3> across;
-  double longest = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    across[k] = mesh.points[corners[(k + 2) % 3]] - mesh.points[corners[(k + 1) % 3]];
-    longest = std::max(longest, geometry::dot(across[k], across[k]));
-  }
-  const double twice = std::max(geometry::norm(geometry::cross(across[0], across[1])), thinnest * longest);
-  Shape shape{.area = 0.5 * twice};
-  for (std::size_t k = 0; k < 3; ++k) {
-    shape.stiffness[k] = geometry::dot(across[(k + 1) % 3], across[(k + 2) % 3]) / (2 * twice);
-  }
-  return shape;
-}
-
-/// Values at the corners of a triangle, or of what is linear there.
-using Values = std::array<double, 3>;
-/// The energy that two such functions share.
-inline double energy(const Stiffness& s, const Values& u, const Values& v) {
-  double sum = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
-    sum -= s[k] * (u[i] - u[j]) * (v[i] - v[j]);
-  }
-  return sum;
-}
 
 /// A mesh with what is open on its borders, solved.
 class Level final {
@@ -84,55 +50,54 @@ class Level final {
     for (const Border& border : mesh.borders) side_of_border_.push_back(*sides_.find(border.ends[0], border.ends[1]));
   }
 
-  /// Heads, and where water comes out of drained surfaces. False where that was not settled.
-  std::expected<bool, FlowError> settle() {
-    constexpr int most = 60;
-    for (int pass = 0; pass < most; ++pass) {
-      CLEAVE_CHECK(find_heads());
-      if (!turn_borders()) return true;
+  /// Heads in the middles of sides, and where water comes out of drained surfaces there.
+  std::expected<void, FlowError> settle() {
+    find_wet();
+    CLEAVE_CHECK(check_heads());
+    find_ceilings();
+    balanced_ = {.heads = Eigen::MatrixXd::Zero(rows(middles_), 1), .held = std::vector<std::uint8_t>(middles_.count)};
+    for_each_open([&](std::size_t b, Index side) {
+      balanced_.heads(side, 0) = head_at(mesh_.borders[b].surface, middle_of(mesh_.borders[b]));
+      (drained(b) ? balanced_.held : standing_middles_)[side] = 1;
+    });
+    CLEAVE_CHECK(press(middles_, standing_middles_, ceiling_of_middles_, false, balanced_));
+    for (std::size_t b = 0; b < mesh_.borders.size(); ++b) {
+      const Index side = side_of_border_[b];
+      if (drained(b) && is_wet(side)) open_[b] = balanced_.held[side];
     }
-    CLEAVE_CHECK(find_heads());
-    return false;
+    return {};
   }
   [[nodiscard]] const std::vector<std::uint8_t>& open() const noexcept { return open_; }
 
-  /// After `settle`: rates with bounds.
-  std::expected<void, FlowError> bound() {
-    group_surfaces();
-    const auto columns = static_cast<Column>(1 + group_count_);
-    low_ = Eigen::MatrixXd::Zero(static_cast<Column>(middles_.count), columns);
-    low_.col(0) = heads_.col(0);
-    high_ = Eigen::MatrixXd::Zero(static_cast<Column>(corners_.count), columns);
-    std::vector<std::uint8_t> fixed(corners_.count, 0);
-    for_each_open([&](std::size_t b, Index side) {
-      const Border& border = mesh_.borders[b];
-      const auto column = static_cast<Column>(1 + group_of_[border.surface]);
-      low_(side, column) = 1;
-      for_each_corner(side, border, [&](Index corner, Index point) {
-        high_(corner, 0) = head_at(border.surface, mesh_.points[point]);
-        high_(corner, column) = 1;
-        fixed[corner] = 1;
-      });
-    });
-    CLEAVE_CHECK(fill(*balanced_, low_));
-    CLEAVE_CHECK(fill(LeastEnergy{corners_, stiffness_, wet_, std::move(fixed)}, high_));
-    find_gaps();
-    return {};
-  }
+  /// After `settle`: rates with bounds where just what is dry now is closed, and continuous heads that lie nowhere
+  /// above a drained surface.
+  std::expected<void, FlowError> bound();
+  [[nodiscard]] bool settled() const noexcept { return balanced_.settled && continuous_.settled && shifts_settled_; }
+
+  /// After `bound`: what leaves through drained surfaces is no more than `Basin::above`, whatever is dry.
+  ///
+  /// Let V(t) be the least energy (half of a(u, u)) with all drained surfaces raised by t. Its derivative is -Q(t), and
+  /// what leaves is Q(t) = the most over sets A of what leaves where just A is open; each falls in a straight line with
+  /// t, so Q is convex: Q(0) <= (V(-t) - V(t)) / (2 t). Continuous heads give too much for V, balanced rates too
+  /// little.
+  std::expected<void, FlowError> bound_above();
+  /// Some drained surface is wet.
+  [[nodiscard]] bool drains() const { return std::ranges::any_of(basins_, &Basin::drains); }
+
+  /// After `bound_above`: out of all drained surfaces.
+  [[nodiscard]] Rate out_of_drained() const;
+  /// Half of the bounds' width over the rate; where no water comes out on this mesh, over what passes by.
+  [[nodiscard]] double width_of_drained() const;
 
   /// Bounds of what leaves through these groups together.
   [[nodiscard]] Rate rate_of(std::span<const Column> groups) const {
-    double product = 0, gap = 0, squared = 0;
-    for (const Column g : groups) {
-      product += products_(0, g);
-      gap += gaps_(0, g);
-      for (const Column h : groups) squared += gaps_(g, h);
+    Rate sum;
+    for (const Rate& rate : rates_of(groups)) {
+      sum.value += rate.value;
+      sum.low += rate.low;
+      sum.high += rate.high;
     }
-    // With e and d the errors of the continuous functions (a head, a weight), a(e, d) = (g, h) / 2 + a rest of at most
-    // half the product of the gaps' sizes.
-    const double value = 0.5 * gap - product;
-    const double half = 0.5 * std::sqrt(std::max(gaps_(0, 0), 0.0) * std::max(squared, 0.0));
-    return {value, value - half, value + half};
+    return sum;
   }
   /// The columns of the groups of drained surfaces; of standing water where nothing is drained.
   [[nodiscard]] std::vector<Column> groups(bool drained) const {
@@ -152,39 +117,17 @@ class Level final {
       half += 0.5 * (rate.high - rate.low);
       sum += std::abs(rate.value);
     }
-    return half <= rounding() ? 0 : half / sum;
+    double rounds_off = 0;
+    for (const Basin& basin : basins_) rounds_off += basin.rounds_off;
+    return half <= rounds_off ? 0 : half / sum;
   }
 
-  /// The triangles that have half of the gaps of the heads and of the weights of these groups.
-  [[nodiscard]] std::vector<std::uint8_t> worst(std::span<const Column> wanted) const {
-    std::vector<Column> columns{0};
-    columns.insert(columns.end(), wanted.begin(), wanted.end());
-    std::vector<double> share(mesh_.triangles.size(), 0);
-    double all = 0;
-    for (std::size_t t = 0; t < share.size(); ++t) {
-      if (wet_[t] == 0) continue;
-      for (const Column c : columns) {
-        if (!(gaps_(c, c) > 0)) continue;
-        const Values g = gap(t, c);
-        share[t] += energy(stiffness_[t], g, g) / gaps_(c, c);
-      }
-      all += share[t];
-    }
-    std::vector<Index> order(share.size());
-    std::iota(order.begin(), order.end(), Index{0});
-    std::ranges::stable_sort(order, std::ranges::greater{}, [&](Index t) { return share[t]; });
-    std::vector<std::uint8_t> marked(share.size(), 0);
-    double sum = 0;
-    std::size_t count = 0;
-    for (const Index t : order) {
-      const bool few = count < share.size() / 25;  // rounds cost as much as triangles
-      if ((sum >= 0.5 * all && !few) || !(share[t] > 0)) break;
-      marked[t] = 1;
-      sum += share[t];
-      ++count;
-    }
-    return marked;
-  }
+  /// Marks the triangles that have half of the gaps of the heads and of the weights of these groups.
+  void mark_worst(std::span<const Column> wanted, std::vector<std::uint8_t>& marked) const;
+
+  /// How far the two solutions' gradients lie apart in the flat piece of joint where they do most, over the largest
+  /// head of pressure there: the mean square, whatever its transmissivity. Marks triangles of those above `tolerance`.
+  double gap_of_pressures(double tolerance, std::vector<std::uint8_t>& marked) const;
 
   [[nodiscard]] Flow result() const {
     Flow flow{.mesh = mesh_, .wet = wet_, .residual = residual_};
@@ -194,15 +137,38 @@ class Level final {
       flow.area += square_metres(areas_[t]);
       if (wet_[t] == 0) continue;
       flow.wet_area += square_metres(areas_[t]);
-      for (std::size_t k = 0; k < 3; ++k) head[k] = metres(high_(corners_.of[t][k], 0));
+      for (std::size_t k = 0; k < 3; ++k) head[k] = metres(continuous_.heads(corners_.of[t][k], 0));
       q = -transmissivity(t) * gradient(t, in_middles(low_, t, 0));
     }
     put_surfaces(flow);
-    flow.drained = rate_of(groups(true));
+    flow.drained = out_of_drained();
     return flow;
   }
 
  private:
+  /// What hangs together and is wet.
+  struct Basin {
+    double level = -infinite;    ///< the highest of standing water
+    double lowest = infinite;    ///< the lowest z of a drained surface
+    bool drains = false;         ///< it reaches one
+    bool held = false;           ///< and water comes out there, in one of the solutions at least
+    bool dries = false;          ///< some of it is dry
+    bool touches = false;        ///< a drained surface meets standing water of its head
+    double energy = 0, gap = 0;  ///< of heads: a(u, u), and how much more the continuous one has
+    double passes = 0;           ///< m3/s, in at standing water
+    double transmissivity = 0;   ///< sum over triangles
+    double rounds_off = 0;       ///< m3/s
+    double open = 0, dry = 0;    ///< m, of drained surfaces
+    Rate drained = {};           ///< out of drained surfaces, where just what is dry now is closed
+    double above = 0;            ///< bound of the same, whatever is dry
+  };
+  static constexpr double infinite = std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] static Column rows(const Space& space) { return static_cast<Column>(space.count); }
+  [[nodiscard]] bool drained(std::size_t border) const {
+    return std::holds_alternative<Drained>(network_.surfaces()[mesh_.borders[border].surface]);
+  }
+  [[nodiscard]] bool is_wet(Index side) const { return wet_[sides_.triangles(side).front()] != 0; }
   [[nodiscard]] double transmissivity(std::size_t t) const { return network_.transmissivity()[mesh_.part[t]].si(); }
   [[nodiscard]] double head_at(Index surface, Vec3 p) const {
     const auto* standing = std::get_if<Standing>(&network_.surfaces()[surface]);
@@ -210,6 +176,9 @@ class Level final {
   }
   [[nodiscard]] Vec3 middle_of(const Border& border) const {
     return 0.5 * (mesh_.points[border.ends[0]] + mesh_.points[border.ends[1]]);
+  }
+  [[nodiscard]] double length_of(const Border& border) const {
+    return geometry::norm(mesh_.points[border.ends[1]] - mesh_.points[border.ends[0]]);
   }
   /// Borders that water passes.
   void for_each_open(const auto& visit) const {
@@ -239,22 +208,63 @@ class Level final {
       fed[together.find(sides_.triangles(side_of_border_[b]).front())] = 1;
     }
     wet_.resize(mesh_.triangles.size());
-    for (Index t = 0; t < wet_.size(); ++t) wet_[t] = fed[together.find(t)];
+    basin_of_.assign(mesh_.triangles.size(), none);
+    std::vector<Index> number(mesh_.triangles.size(), none);
+    for (Index t = 0; t < wet_.size(); ++t) {
+      const Index root = together.find(t);
+      wet_[t] = fed[root];
+      if (wet_[t] == 0) continue;
+      if (number[root] == none) {
+        number[root] = static_cast<Index>(basins_.size());
+        basins_.emplace_back();
+      }
+      basin_of_[t] = number[root];
+    }
   }
 
-  std::expected<void, FlowError> find_heads() {
-    if (wet_.empty()) {
-      find_wet();
-      CLEAVE_CHECK(check_heads());
+  /// Where heads may not lie above z, and where they are given.
+  void find_ceilings() {
+    const double near = 1e-12 * extent_of(mesh_);
+    ceiling_of_middles_ = {.at = std::vector<double>(middles_.count, infinite), .near = near};
+    ceiling_of_corners_ = {.at = std::vector<double>(corners_.count, infinite), .near = near};
+    standing_middles_.assign(middles_.count, 0);
+    standing_corners_.assign(corners_.count, 0);
+    for (std::size_t b = 0; b < mesh_.borders.size(); ++b) {
+      const Border& border = mesh_.borders[b];
+      const Index side = side_of_border_[b];
+      if (!is_wet(side)) continue;
+      Basin& basin = basins_[basin_of_[sides_.triangles(side).front()]];
+      if (drained(b)) {
+        basin.drains = true;
+        ceiling_of_middles_.at[side] = middle_of(border).z;
+      }
+      for_each_corner(side, border, [&](Index corner, Index point) {
+        const double z = mesh_.points[point].z;
+        if (drained(b)) {
+          basin.lowest = std::min(basin.lowest, z);
+          ceiling_of_corners_.at[corner] = z;
+        } else if (open_[b] != 0) {
+          basin.level = std::max(basin.level, head_at(border.surface, mesh_.points[point]));
+          standing_corners_[corner] = 1;
+        }
+      });
     }
-    heads_ = Eigen::MatrixXd::Zero(static_cast<Column>(middles_.count), 1);
-    std::vector<std::uint8_t> fixed(middles_.count, 0);
-    for_each_open([&](std::size_t b, Index side) {
-      heads_(side, 0) = head_at(mesh_.borders[b].surface, middle_of(mesh_.borders[b]));
-      fixed[side] = 1;
-    });
-    balanced_.emplace(middles_, stiffness_, wet_, std::move(fixed));
-    return fill(*balanced_, heads_);
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+      for (const Index n : corners_.of[t]) {
+        if (wet_[t] == 0 || standing_corners_[n] == 0) continue;
+        if (std::isfinite(ceiling_of_corners_.at[n])) basins_[basin_of_[t]].touches = true;
+        ceiling_of_corners_.at[n] = infinite;
+      }
+    }
+  }
+
+  std::expected<void, FlowError> press(const Space& space, std::span<const std::uint8_t> standing,
+                                       const Ceiling& ceiling, bool solved, Seepage& seepage) {
+    if (!flow::settle({space, stiffness_, wet_}, standing, ceiling, solved, seepage)) {
+      return std::unexpected(FlowError{NotSolved{}});
+    }
+    residual_ = std::max(residual_, seepage.residual);
+    return {};
   }
   std::expected<void, FlowError> fill(const LeastEnergy& energy, Eigen::MatrixXd& values) {
     const auto residual = energy.fill(values);
@@ -295,29 +305,9 @@ class Level final {
     for (std::size_t k = 0; k < 3; ++k) {
       Values one{};
       one[k] = own[k] == side ? -2 : 0;
-      in += energy(stiffness_[t], in_middles(heads_, t, 0), one);
+      in += energy(stiffness_[t], in_middles(balanced_.heads, t, 0), one);
     }
     return -in;
-  }
-
-  /// Water neither enters through a drained surface nor stands above it. True where something was turned.
-  bool turn_borders() {
-    bool turned = false;
-    double largest = 0;
-    for_each_open([&](std::size_t, Index side) { largest = std::max(largest, std::abs(out_of(side))); });
-    const double near = 1e-12 * extent_of(mesh_);
-    for (std::size_t b = 0; b < mesh_.borders.size(); ++b) {
-      const Border& border = mesh_.borders[b];
-      const Index side = side_of_border_[b];
-      if (!std::holds_alternative<Drained>(network_.surfaces()[border.surface])) continue;
-      if (wet_[sides_.triangles(side).front()] == 0) continue;
-      const bool closes = open_[b] != 0 && out_of(side) < -1e-12 * largest;
-      const bool opens = open_[b] == 0 && heads_(side, 0) > middle_of(border).z + near;
-      if (!closes && !opens) continue;
-      open_[b] = opens ? 1 : 0;
-      turned = true;
-    }
-    return turned;
   }
 
   /// Surfaces of one kind that share a corner where water passes both are told apart by no bound.
@@ -376,25 +366,15 @@ class Level final {
     return geometry::cross(up, values[0] * (c - b) + values[1] * (a - c) + values[2] * (b - a)) / square;
   }
 
-  void find_gaps() {
-    const Column columns = low_.cols();
-    gaps_ = Eigen::MatrixXd::Zero(columns, columns);
-    products_ = Eigen::MatrixXd::Zero(1, columns);
-    std::vector<Values> own(static_cast<std::size_t>(columns));
-    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-      if (wet_[t] == 0) continue;
-      const Values of_head = at_corners(high_, t, 0);
-      for (Column c = 0; c < columns; ++c) {
-        own[static_cast<std::size_t>(c)] = gap(t, c);
-        products_(0, c) += energy(stiffness_[t], of_head, at_corners(high_, t, c));
-      }
-      for (Column c = 0; c < columns; ++c) {
-        for (Column d = 0; d < columns; ++d) {
-          gaps_(c, d) += energy(stiffness_[t], own[static_cast<std::size_t>(c)], own[static_cast<std::size_t>(d)]);
-        }
-      }
-    }
-  }
+  void find_gaps();
+
+  /// Bounds of what leaves each basin through these groups together, where just what is dry now is closed.
+  [[nodiscard]] std::vector<Rate> rates_of(std::span<const Column> groups) const;
+
+  /// m, how far to raise and lower drained surfaces for a bound: the further, the less gaps count and the more what
+  /// turns wet and dry on the way.
+  [[nodiscard]] static double rise_of(const Basin& basin);
+
   /// m3/s: what is rounding, of what the network could carry at a gradient of 1.
   [[nodiscard]] double rounding() const {
     double largest = 0;
@@ -411,7 +391,7 @@ class Level final {
       const Border& border = mesh_.borders[b];
       if (wet_[sides_.triangles(side_of_border_[b]).front()] == 0) continue;
       SurfaceFlow& own = flow.surfaces[border.surface];
-      const double length = geometry::norm(mesh_.points[border.ends[1]] - mesh_.points[border.ends[0]]);
+      const double length = length_of(border);
       (open_[b] != 0 ? own.open_length : own.dry_length) += metres(length);
       if (open_[b] == 0) continue;
       const double out = out_of(side_of_border_[b]);
@@ -421,6 +401,7 @@ class Level final {
       sizes += std::abs(out);
     }
     flow.imbalance = sizes > rounding() ? std::abs(sum) / sizes : 0;
+    const bool dries = std::ranges::any_of(basins_, &Basin::dries);
     for (std::size_t s = 0; s < flow.surfaces.size(); ++s) {
       if (shared_[s] != 0) continue;
       if (group_of_[s] == none) {
@@ -429,6 +410,7 @@ class Level final {
       }
       flow.surfaces[s].bounds = rate_of(std::array{static_cast<Column>(1 + group_of_[s])});
       flow.surfaces[s].out = FlowRate::from_si(flow.surfaces[s].bounds->value);
+      if (dries) flow.surfaces[s].bounds.reset();
     }
   }
 
@@ -436,17 +418,22 @@ class Level final {
   const Network& network_;
   Sides sides_;
   Space corners_, middles_;
-  std::optional<LeastEnergy> balanced_;  ///< of heads in the middles of sides
   std::vector<double> areas_;
   std::vector<Stiffness> stiffness_;
   std::vector<Index> side_of_border_;
   std::vector<std::uint8_t> open_, wet_;
-  Eigen::MatrixXd heads_;        ///< in the middles of sides
-  std::vector<Index> group_of_;  ///< of each surface that water passes
+  std::vector<Basin> basins_;
+  std::vector<Index> basin_of_;  ///< of each triangle
+  std::vector<std::uint8_t> standing_middles_, standing_corners_;
+  Ceiling ceiling_of_middles_, ceiling_of_corners_;
+  Seepage balanced_, continuous_;
+  bool same_dry_ = false;  ///< continuous heads hold what the balanced ones do
+  bool shifts_settled_ = true;
+  std::vector<double> gap_of_heads_;  ///< of each triangle
+  std::vector<Index> group_of_;       ///< of each surface that water passes
   std::vector<std::uint8_t> shared_;
   Index group_count_ = 0;
   Eigen::MatrixXd low_, high_;  ///< columns: heads, weights of the groups
-  Eigen::MatrixXd gaps_, products_;
   double residual_ = 0;
 };
 

@@ -36,19 +36,33 @@ std::expected<Flow, FlowError> solve(const Network& network, const FlowOptions& 
   std::vector<FlowRound> rounds;
   for (;;) {
     Level level{mesh, network, open};
-    CLEAVE_TRY(const bool settled, level.settle());
+    CLEAVE_CHECK(level.settle());
     CLEAVE_CHECK(level.bound());
-    auto wanted = level.groups(true);
-    if (wanted.empty()) wanted = level.groups(false);
-    const double width = level.width_of(wanted);
-    rounds.push_back({mesh.triangles.size(), width});
-    const bool good = width <= options.tolerance;
-    const std::vector<std::uint8_t> marked = level.worst(wanted);
-    const bool finer = std::ranges::find(marked, 1) != marked.end();
-    if (good || !finer || mesh.triangles.size() >= options.most_triangles) {
+    const auto wanted = level.groups(level.drains());
+    FlowRound& round = rounds.emplace_back(FlowRound{.triangles = mesh.triangles.size()});
+    std::vector<std::uint8_t> marked(mesh.triangles.size(), 0);
+    round.width = level.width_of(wanted);
+    if (options.pressures) round.pressures = level.gap_of_pressures(options.tolerance, marked);
+    const bool last = mesh.triangles.size() >= options.most_triangles;
+    // Bounds for drained surfaces cost two more solutions: not before what is cheaper is good.
+    const bool near = round.width <= options.tolerance && round.pressures <= options.tolerance;
+    bool bounded = !level.drains();
+    const auto bound_above = [&]() -> std::expected<void, FlowError> {
+      if (std::exchange(bounded, true)) return {};
+      CLEAVE_CHECK(level.bound_above());
+      round.width = std::max(round.width, level.width_of_drained());
+      return {};
+    };
+    if (near || last) CLEAVE_CHECK(bound_above());
+    if (round.width > options.tolerance) level.mark_worst(wanted, marked);
+    const bool good = round.width <= options.tolerance && round.pressures <= options.tolerance;
+    if (good || last || std::ranges::find(marked, 1) == marked.end()) {
+      CLEAVE_CHECK(bound_above());
       Flow flow = level.result();
       flow.rounds = std::move(rounds);
-      flow.status = !good ? FlowStatus::too_many_triangles : settled ? FlowStatus::converged : FlowStatus::unsettled;
+      flow.status = !good             ? FlowStatus::too_many_triangles
+                    : level.settled() ? FlowStatus::converged
+                                      : FlowStatus::unsettled;
       return flow;
     }
     open = level.open();

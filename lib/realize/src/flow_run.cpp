@@ -143,7 +143,9 @@ class FlowRun {
     auto network = flow::Network::make(std::move(spec));
     if (!network)
       return std::unexpected(problem(describe(network.error()), "report this scene: it is a bug in cleave"));
-    auto solved = flow::solve(*network, {.tolerance = settings_.tolerance, .most_triangles = settings_.most_triangles});
+    auto solved = flow::solve(*network, {.tolerance = settings_.tolerance,
+                                         .pressures = acts_on_blocks(scene_),
+                                         .most_triangles = settings_.most_triangles});
     if (!solved) return std::unexpected(refused(solved.error()));
     out_.flow = *std::move(solved);
     for (std::size_t s = 0; s < out_.surfaces.size(); ++s) out_.surfaces[s].passed = out_.flow->surfaces[s];
@@ -173,10 +175,15 @@ class FlowRun {
   void note_flow() {
     const flow::Flow& f = *out_.flow;
     if (f.status == flow::FlowStatus::too_many_triangles) {
-      out_.notes.push_back(fmt::format(
-          "[flow]: at {} triangles the bounds of the inflow are still {:.3g} % wide to either side, not {:.3g} "
-          "%: raise max_triangles, or the tolerance",
-          f.mesh.triangles.size(), 100 * f.rounds.back().width, 100 * settings_.tolerance));
+      const flow::FlowRound& last = f.rounds.back();
+      out_.notes.push_back(
+          last.width > settings_.tolerance
+              ? fmt::format("[flow]: at {} triangles the bounds of the inflow are still {:.3g} % wide to either side, "
+                            "not {:.3g} %: raise max_triangles, or the tolerance",
+                            f.mesh.triangles.size(), 100 * last.width, 100 * settings_.tolerance)
+              : fmt::format("[flow]: at {} triangles pressures on blocks are still uncertain (their measure is {:.3g}, "
+                            "not {:.3g}): raise max_triangles, or the tolerance",
+                            f.mesh.triangles.size(), last.pressures, settings_.tolerance));
     }
     if (f.status == flow::FlowStatus::unsettled) {
       out_.notes.emplace_back(

@@ -79,8 +79,7 @@ class Network final {
 
 // ---- Flow -----------------------------------------------------------------------------------------------------------
 
-/// m3/s, with bounds that hold for the exact solution of the same network, up to rounding; with drained surfaces: for
-/// one that lets water through where the last mesh does.
+/// m3/s, with bounds that hold for the exact solution of the same network, up to rounding, whatever is dry.
 struct Rate {
   double value = 0, low = 0, high = 0;
 };
@@ -89,7 +88,7 @@ struct Rate {
 struct SurfaceFlow {
   FlowRate out = {};  ///< out of the rock; below 0: into it
   /// Bounds of it; none where the surface touches another one that water passes: what is near the line between the two
-  /// cannot be told apart within bounds, only what passes all of them.
+  /// cannot be told apart within bounds, only what passes all of them. Nor where some drained surface is dry in part.
   std::optional<Rate> bounds = {};
   Length open_length = {}, dry_length = {};  ///< of borders of wet joints: where water passes, and where none does
 };
@@ -98,6 +97,8 @@ struct FlowOptions {
   /// The mesh is refined until the half widths of the rates out of drained surfaces (of standing water, where nothing
   /// is drained) add up to no more than this share of the rates.
   double tolerance = 0.02;
+  /// Heads of pressure are used: it is also refined until `FlowRound::pressures` is no more than the tolerance.
+  bool pressures = false;
   std::size_t most_triangles = 1'000'000;
 };
 
@@ -118,14 +119,20 @@ using FlowError = std::variant<HeadsMeet, BadOption, NotSolved>;
 
 enum class FlowStatus : std::uint8_t {
   converged,
-  too_many_triangles,  ///< the bounds are wider than was asked for
+  too_many_triangles,  ///< the bounds are wider than was asked for, or pressures less good
   unsettled,           ///< which parts of drained surfaces water comes out of was not settled
 };
 
 /// One mesh of the series.
 struct FlowRound {
   std::size_t triangles = 0;
-  double width = 0;  ///< relative, as FlowOptions::tolerance is meant
+  /// Relative, as FlowOptions::tolerance is meant; on meshes before the last it may be that of a network in which just
+  /// what is dry there is closed.
+  double width = 0;
+  /// Where asked for: of the flat piece of joint where it is most, the integral of the square by which the gradients of
+  /// the two solutions differ, over the square of the largest head of pressure there, or of half the root of the
+  /// piece's area, where that is more. A measure, not a bound.
+  double pressures = 0;
 };
 
 /// Two solutions on one mesh: heads that are continuous (linear in triangles), and rates that are balanced to the last
