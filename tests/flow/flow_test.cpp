@@ -309,7 +309,8 @@ flow::Network seeping(double level) {
 
 TEST(FlowTest, WaterSeepsOutWhereTheFirstMeshHasNoSide) {
   // The only drained side of the first mesh has its middle above the water; water comes out at its foot all the same.
-  // Finite differences on grids of 40 to 320 cells a side, carried on to cells of no size.
+  // Values of fine meshes. Finite differences on grids of 20, 40 and 80 cells a side come down to them: 1.4075, 1.3974,
+  // 1.3923 at 4 m, 0.2392, 0.2141, 0.2071 at 1 m.
   constexpr std::array<std::pair<double, double>, 6> cases{
       {{0.5, 0.0848}, {1, 0.204}, {3, 0.9103}, {4, 1.3887}, {5, 1.9469}, {8, 4.052}}};
   for (const auto& [level, exact] : cases) {

@@ -20,7 +20,6 @@
 namespace cleave::stability {
 namespace {
 
-using assembly::Verdict;
 using geometry::Vec3;
 using statics::audited;
 using statics::slab_behind_toe;
@@ -83,7 +82,7 @@ TEST(GroupSupportTest, LevelBoltsHoldTheToeOfASlab) {
   EXPECT_TRUE(check_support(complex, settings, analyse(complex, settings), plan).passes());
   const double whole = 312 + 18.8620205076;
   EXPECT_NEAR(left(complex, settings, plan), whole, 1e-6);
-  const auto verdict = [&](double tendon, int count = 4) -> std::optional<Verdict> {
+  const auto verdict = [&](double tendon, int count = 4) -> std::optional<assembly::Verdict> {
     plan.bolts = level_bolts(tendon, 16, 6, count);
     const GroupSupport found = checked(complex, settings, plan);
     if (found.below.groups.size() != 1U) {
@@ -97,10 +96,10 @@ TEST(GroupSupportTest, LevelBoltsHoldTheToeOfASlab) {
   // Bolts are over the factor as strengths are. Within 5 % of the target: in doubt, as without support.
   const auto tendon = [](double factor) { return factor * level_force(factor) / 4; };
   EXPECT_EQ(verdict(1.002 * tendon(1.3 * 1.05)), std::nullopt);
-  EXPECT_EQ(verdict(0.998 * tendon(1.3 * 1.05)), Verdict::in_doubt);
-  EXPECT_EQ(verdict(1.002 * tendon(1.3)), Verdict::in_doubt);
-  EXPECT_EQ(verdict(0.998 * tendon(1.3)), Verdict::unsafe);
-  EXPECT_EQ(verdict(1.002 * tendon(1.3 * 1.05), 2), Verdict::unsafe);
+  EXPECT_EQ(verdict(0.998 * tendon(1.3 * 1.05)), assembly::Verdict::in_doubt);
+  EXPECT_EQ(verdict(1.002 * tendon(1.3)), assembly::Verdict::in_doubt);
+  EXPECT_EQ(verdict(0.998 * tendon(1.3)), assembly::Verdict::unsafe);
+  EXPECT_EQ(verdict(1.002 * tendon(1.3 * 1.05), 2), assembly::Verdict::unsafe);
   // With moments a level pull at the foot of the toe does not do; strong bolts on two levels do.
   plan.bolts = level_bolts(500, 15.9, 8);
   std::ranges::copy(level_bolts(500, 17.5, 8), std::back_inserter(plan.bolts));
