@@ -147,8 +147,8 @@ struct TieState {
 struct Load {
   std::uint32_t body = 0;
   std::optional<std::uint32_t> other = {};
-  Vec3 at;     ///< m, at the start
-  Vec3 force;  ///< N, on `body`, at the start
+  Vec3 at = {};     ///< m, at the start
+  Vec3 force = {};  ///< N, on `body`, at the start
   /// Gone after the step in which its two points (of one body alone, the point and where it was) are farther apart
   /// along the force than `opens`, or across it than `slides`.
   Length opens = metres(std::numeric_limits<double>::infinity());
