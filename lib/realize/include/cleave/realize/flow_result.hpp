@@ -64,7 +64,9 @@ void fields(V& v, const FlowJoint& x) {
   v("wet_area_m2", x.wet_area, "of it, what is connected with standing water");
   v("cluster", x.cluster, "number from 0, the largest first; of a joint in several parts that of the largest");
   v("backbone", x.backbone, "1: on a way from a fixed side of the domain to an opening that passes no joint twice");
-  v("into_openings_m3_s", x.into_openings, "what leaves the rock through its traces on drained surfaces");
+  v("into_openings_m3_s", x.into_openings,
+    "what leaves the rock through its traces on drained surfaces; they add up to somewhat less than `inflow_m3_s`, see "
+    "[flow](flow.md#bounds-and-how-fast-they-close-in)");
 }
 
 /// What one cluster connects.
