@@ -426,17 +426,19 @@ TEST(KeyBlocksScene, ColumnsThatToppleAreToldAndCountOnlyWhenAsked) {
 // A column of 1 by 6 m before a crack that has friction: forces exist that hold it whatever pushes it, and from rest it
 // topples from a push of 1/6 of its weight on.
 TEST(KeyBlocksScene, ColumnsTurnFromRestThoughTheirBackCouldHoldThem) {
-  const auto column = [](double push, const std::string& rotation) {
+  const auto run_with = [](const std::string& seismic, const std::string& rotation) {
     return run_of(
-        fmt::format("[domain]\nbox = {{ min = [0, 0, 0], max = [20, 3, 20] }}\n"
-                    "[[joint]]\nplane = {{ through = [10, 1.5, 5], dip = 0, dip_direction = 90 }}\nset = \"base\"\n"
-                    "[[joint]]\nplane = {{ through = [9, 1.5, 5], dip = 90, dip_direction = 90 }}\nset = \"crack\"\n"
-                    "[joints.base]\nfriction = 45\n[joints.crack]\nfriction = 20\n[rock]\ndensity = 2600\n"
-                    "[[excavation]]\nkind = \"slope\"\n"
-                    "profile = {{ direction = 90, points = [[0, 11], [9.999, 11], [10, 5], [10.5, 4], [20, 4]] }}\n"
-                    "[stability]\nfree = [\"top\", \"north\", \"south\"]\ngroups = \"off\"\nseismic = [{}, 0, 0]\n"
-                    "rotation = \"{}\"\n",
-                    push, rotation));
+        "[domain]\nbox = { min = [0, 0, 0], max = [20, 3, 20] }\n"
+        "[[joint]]\nplane = { through = [10, 1.5, 5], dip = 0, dip_direction = 90 }\nset = \"base\"\n"
+        "[[joint]]\nplane = { through = [9, 1.5, 5], dip = 90, dip_direction = 90 }\nset = \"crack\"\n"
+        "[joints.base]\nfriction = 45\n[joints.crack]\nfriction = 20\n[rock]\ndensity = 2600\n"
+        "[[excavation]]\nkind = \"slope\"\n"
+        "profile = { direction = 90, points = [[0, 11], [9.999, 11], [10, 5], [10.5, 4], [20, 4]] }\n"
+        "[stability]\nfree = [\"top\", \"north\", \"south\"]\ngroups = \"off\"\nrotation = \"" +
+        rotation + "\"\n" + seismic);
+  };
+  const auto column = [&](double push, const std::string& rotation) {
+    return run_with(fmt::format("seismic = [{}, 0, 0]\n", push), rotation);
   };
   EXPECT_TRUE(column(0.2, "flag").analysis->batches.empty());
   EXPECT_TRUE(column(0.16, "decide").analysis->batches.empty());
@@ -447,6 +449,10 @@ TEST(KeyBlocksScene, ColumnsTurnFromRestThoughTheirBackCouldHoldThem) {
   ASSERT_TRUE(turning != all.end());
   EXPECT_TRUE(turning->rotation->from_rest);
   EXPECT_NEAR(std::abs(turning->rotation->axis.y), 1, 1e-6);
+  // What turns has strength to spare along its way: that is no earthquake of the wrong sign.
+  const RunResult loaded = run_with("[[load]]\nname = \"q\"\nseismic = [0.175, 0, 0]\n", "decide");
+  EXPECT_EQ(loaded.load_cases.at(0).analysis.batches.size(), 1U);
+  EXPECT_EQ(notes_with(loaded, "check its sign"), 0U);
 }
 
 /// A cube of 2 m in the roof of a tunnel between discs, whose west side dips so much to the east: below 90 degrees it

@@ -217,11 +217,11 @@ void add_lifted_notes(const Scene& scene, const Realization& made, std::vector<s
   }
 }
 
-/// What key blocks of all batches lack, one by one.
+/// What key blocks of all batches lack, one by one; what turns may lack nothing along its way.
 Force net_force_of(const stability::Analysis& analysis) {
   Force sum{};
   for (const stability::Judgement& j : analysis.judgements) {
-    if (j.key) sum += j.net;
+    if (j.key && j.net > Force{}) sum += j.net;
   }
   return sum;
 }
