@@ -253,7 +253,9 @@ double Level::rise_of(const Basin& basin) {
   if (!basin.drains || basin.touches || basin.level <= basin.lowest) return 0;  // no head is above the highest level
   const double out = basin.drained.value, fall = basin.level - basin.lowest;
   const double head = out > 0 ? std::min(basin.energy / out, fall) : fall;
-  const double dry = std::max(basin.dry / (basin.open + basin.dry), basin.dries ? 1e-3 : 0);
+  const double length = basin.open + basin.dry;
+  const double dry = std::max(length > 0 ? basin.dry / length : 0, basin.dries ? 1e-3 : 0);
+  if (!(basin.energy * dry > 0)) return 0.5 * head;
   const double share = std::cbrt(1.5 * basin.gap / (basin.energy * dry));
   return head * (share > 0 ? std::clamp(share, 0.005, 0.5) : 0.5);
 }
