@@ -207,7 +207,7 @@ TEST(Piling, AGroupAtRestIsNotSearchedAgain) {
       if (first == 0) {
         first = report->iterations;
         upwards = reaction(w);
-        EXPECT_GT(first, 100U);
+        EXPECT_GT(first, 80U);  // factors: a search, not an answer taken again
       }
       if (w.time() < 0.12) {
         EXPECT_EQ(report->may_be_locked, locked);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <numeric>
+#include <span>
 #include <utility>
 
 #include "hull.hpp"
@@ -36,12 +37,17 @@ void keep_hull(const std::vector<Touch>& plane, std::vector<Touch>& out) {
 /// All touches with those that lie within hulls of others left out.
 std::vector<Touch> reduced(const std::vector<Touch>& list) {
   std::vector<Touch> out, plane;
+  out.reserve(list.size());
   std::vector<std::uint8_t> used(list.size(), 0);
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> of_pair;
-  for (std::uint32_t k = 0; k < list.size(); ++k) {
-    of_pair[{std::min(list[k].body, list[k].other), std::max(list[k].body, list[k].other)}].push_back(k);
-  }
-  for (const auto& [pair, own] : of_pair) {
+  const auto pair_of = [&](std::uint32_t k) {
+    return Pair{std::min(list[k].body, list[k].other), std::max(list[k].body, list[k].other)};
+  };
+  std::vector<std::uint32_t> order(list.size());
+  std::iota(order.begin(), order.end(), std::uint32_t{0});
+  std::ranges::stable_sort(order, {}, pair_of);
+  for (std::size_t first_of_pair = 0, end = 0; first_of_pair < order.size(); first_of_pair = end) {
+    while (end < order.size() && pair_of(order[end]) == pair_of(order[first_of_pair])) ++end;
+    const std::span<const std::uint32_t> own{order.data() + first_of_pair, end - first_of_pair};
     for (std::size_t a = 0; a < own.size(); ++a) {
       if (used[own[a]] != 0) continue;
       const Touch& first = list[own[a]];
@@ -105,6 +111,7 @@ std::vector<Pair> World::Impl::near_pairs(const std::vector<double>& travel) con
 std::vector<Touch> World::Impl::touches_of(const std::vector<Pair>& pairs, const std::vector<double>& travel,
                                            bool strict) const {
   std::vector<Touch> out, own;
+  out.reserve(touches.size());
   for (const auto& [i, j] : pairs) {
     const Placed &a = placed[i], &b = placed[j];
     const auto axis = widest_axis(a, b);
@@ -184,10 +191,16 @@ std::vector<Touch> World::Impl::missed(const std::vector<Touch>& list, const std
   return out;
 }
 
-double World::Impl::deepest_overlap(std::vector<std::uint32_t>& pair) const {
-  double worst = 0;
+World::Impl::Look World::Impl::look() const {
   const std::vector<double> none(shapes.size(), 0);
-  for (const auto& [i, j] : near_pairs(none)) {
+  Look out{near_pairs(none), {}};
+  out.touches = touches_of(out.pairs, none, false);
+  return out;
+}
+
+double World::Impl::deepest_overlap(const std::vector<Pair>& near, std::vector<std::uint32_t>& pair) const {
+  double worst = 0;
+  for (const auto& [i, j] : near) {
     const Placed &a = placed[i], &b = placed[j];
     const double size = std::min(shapes[a.body].size, shapes[b.body].size);
     const double share = overlap_depth(a, b, 0.1 * options.overlap * size) / size;

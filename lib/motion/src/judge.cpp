@@ -16,19 +16,19 @@ Response respond(const Group& group, const std::vector<Vector3d>& impulse) {
     given[p.body] += p.on_body * impulse[k];
     if (p.other) given[*p.other] += p.on_other * impulse[k];
   }
-  std::vector<Eigen::LLT<Matrix6>> mass;
-  mass.reserve(group.mass.size());
+  std::vector<Matrix6> inverse;
+  inverse.reserve(group.mass.size());
   for (std::size_t b = 0; b < group.mass.size(); ++b) {
-    mass.emplace_back(group.mass[b]);
-    given[b] = mass[b].solve(given[b]).eval();
+    inverse.emplace_back(group.mass[b].llt().solve(Matrix6::Identity()));
+    given[b] = (inverse[b] * given[b]).eval();
     out.velocity.push_back(group.free[b] + given[b]);
   }
   for (const Point& p : group.points) {
-    Vector3d diagonal = p.on_body.cwiseProduct(mass[p.body].solve(p.on_body)).colwise().sum().transpose();
+    Vector3d diagonal = p.on_body.cwiseProduct(inverse[p.body] * p.on_body).colwise().sum().transpose();
     Vector3d own = p.b + p.on_body.transpose() * group.free[p.body];
     Vector3d made = p.on_body.transpose() * given[p.body];
     if (p.other) {
-      diagonal += p.on_other.cwiseProduct(mass[*p.other].solve(p.on_other)).colwise().sum().transpose();
+      diagonal += p.on_other.cwiseProduct(inverse[*p.other] * p.on_other).colwise().sum().transpose();
       own += p.on_other.transpose() * group.free[*p.other];
       made += p.on_other.transpose() * given[*p.other];
     }

@@ -13,17 +13,18 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 Scaled::Scaled(const Group& group) : bodies{group.mass.size()} {
-  std::vector<Eigen::LLT<Matrix6>> mass;
-  mass.reserve(bodies);
-  for (const Matrix6& m : group.mass) mass.emplace_back(m);
+  std::vector<Matrix6> half;  // inverse of the factor of the mass
+  half.reserve(bodies);
+  for (const Matrix6& m : group.mass) half.emplace_back(m.llt().matrixL().solve(Matrix6::Identity()));
+  elements.reserve(group.points.size());
   for (const Point& p : group.points) {
     Element e{p.body, p.other, p.on_body, p.on_other, p.b, p.mu, p.cohesion, p.tension, 1, p.shear, p.most};
     e.y += p.on_body.transpose() * group.free[p.body];
-    mass[p.body].matrixL().solveInPlace(e.on_body);
+    e.on_body = (half[p.body] * e.on_body).eval();
     double square = e.on_body.squaredNorm();
     if (p.other) {
       e.y += p.on_other.transpose() * group.free[*p.other];
-      mass[*p.other].matrixL().solveInPlace(e.on_other);
+      e.on_other = (half[*p.other] * e.on_other).eval();
       square += e.on_other.squaredNorm();
     }
     e.scale = 1 / std::sqrt(square / 3);
@@ -147,6 +148,23 @@ bool Newton::direction(const std::vector<Local>& locals, double rho, bool symmet
   return step.allFinite();
 }
 
+namespace {
+
+/// What rounding may leave of the residual: of G x where forces are large, and of the velocities at contacts where the
+/// weight is small, as forces follow them by 1 / rho.
+double rounding_of(const std::vector<linear::Projection>& locals, double rho, const VectorXd& v) {
+  double carried = 1;
+  bool any = false;
+  for (const linear::Projection& l : locals) {
+    carried = std::max(carried, l.x.lpNorm<Eigen::Infinity>());
+    any = any || l.any;
+  }
+  const double followed = any ? std::sqrt(static_cast<double>(locals.size())) * (1 + v.lpNorm<Eigen::Infinity>()) / rho : 0;
+  return std::numeric_limits<double>::epsilon() * (8 * carried + followed);
+}
+
+}  // namespace
+
 double Newton::inner(const Programme& programme, std::vector<Vector3d>& x, double rho, VectorXd& v) {
   const bool convex = programme.law != Law::coulomb;
   std::vector<Local> locals(x.size()), tried_locals(x.size());
@@ -155,24 +173,33 @@ double Newton::inner(const Programme& programme, std::vector<Vector3d>& x, doubl
   double size = gradient.norm();
   int stuck = 0;
   for (int iteration = 0; iteration < (convex ? 100 : 30); ++iteration) {
-    // Where forces are large against the weight, rounding of G x is all that is left.
-    double carried = 1;
-    for (const Local& l : locals) carried = std::max(carried, l.x.lpNorm<Eigen::Infinity>());
-    if (size <= 2e-15 * carried) break;
+    // Rounding is mostly far less than that; a search for what is below it would only cost.
+    const double rounding = rounding_of(locals, rho, v);
+    const bool is_near = size <= rounding;
+    if (size <= 0.03 * rounding) break;
     if (!direction(locals, rho, convex, gradient, step)) return std::numeric_limits<double>::infinity();
     const double slope = gradient.dot(step);
-    const linear::Search how{.convex = convex, .rounding = 1e-13 * std::abs(value), .halvings = 20};
+    const linear::Search how{.convex = convex, .rounding = 1e-13 * std::abs(value), .halvings = is_near ? 2 : 20};
+    double tried_share = 0, tried_value = 0;
     const double share = linear::share_of_step({value, size}, slope, how, [&](double part) {
+      tried_share = part;
       tried = v + part * step;
-      const double found = evaluate(programme, x, rho, tried, tried_gradient, tried_locals);
-      return linear::Merit{found, tried_gradient.norm()};
+      tried_value = evaluate(programme, x, rho, tried, tried_gradient, tried_locals);
+      return linear::Merit{tried_value, tried_gradient.norm()};
     });
     if (!(share > 0)) break;
-    v += share * step;
-    value = evaluate(programme, x, rho, v, gradient, locals);
+    if (share == tried_share) {
+      std::swap(v, tried);
+      std::swap(gradient, tried_gradient);
+      std::swap(locals, tried_locals);
+      value = tried_value;
+    } else {
+      v += share * step;
+      value = evaluate(programme, x, rho, v, gradient, locals);
+    }
     const double before = std::exchange(size, gradient.norm());
     stuck = size > 0.5 * before && size < 1e-9 ? stuck + 1 : 0;
-    if (stuck > 3) break;
+    if (stuck > 3 || (is_near && size > 0.5 * before)) break;
   }
   for (std::size_t k = 0; k < locals.size(); ++k) x[k] = locals[k].x;
   return size;
@@ -184,7 +211,8 @@ double Newton::solve(const Programme& programme, std::vector<Vector3d>& x, const
   // Forces that grow far before they hold, as under a heavy body, need less weight than others; where weights are too
   // small rounding takes over. The best answer at the end counts.
   constexpr double enough = 1e-12;
-  double least = std::numeric_limits<double>::infinity(), rho = schedule.rough, fine = schedule.fine;
+  double least = std::numeric_limits<double>::infinity(), least_change = least;
+  double rho = schedule.rough, fine = schedule.fine;
   std::vector<Vector3d> best;
   for (int round = 0, at_fine = 0; round < 400; ++round) {
     const std::vector<Vector3d> old = x;
@@ -197,12 +225,14 @@ double Newton::solve(const Programme& programme, std::vector<Vector3d>& x, const
       if ((round + 1) % schedule.recentrings == 0) rho = std::max(fine, schedule.fall * rho);
       continue;
     }
-    const bool better = hidden < 0.5 * least;
-    if (hidden < least) {
-      least = hidden;
-      best = x;
-    }
-    if (hidden <= enough) break;
+    // Forces may still come nearer where rounding hides it in the velocities.
+    const bool nearer = rho * change < 0.5 * least_change && hidden < 2 * least;
+    const bool better = hidden < 0.5 * least || nearer;
+    if (hidden < least || nearer) best = x;
+    least = std::min(least, hidden);
+    least_change = std::min(least_change, rho * change);
+    // Of less weight than rounding allows there is nothing to be had.
+    if (hidden <= enough || rho * change <= 1e-2 * off) break;
     if (better && ++at_fine < schedule.last) continue;
     if (fine <= schedule.finest || least <= 100 * enough) break;
     rho = fine = std::max(schedule.finest, 0.1 * fine);

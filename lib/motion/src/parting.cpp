@@ -58,7 +58,7 @@ double World::Impl::move_apart(const Island& island, const Solution& moved, std:
   return island.leans ? lift : lift + turn_all(island, -gained, s);
 }
 
-double World::Impl::part(std::vector<State>& s, const std::vector<TieRecord>& tied, double& deepest) {
+double World::Impl::part(std::vector<State>& s, const std::vector<TieRecord>& tied, Look& seen, double& deepest) {
   // Again: parted bodies may touch what they did not touch before.
   constexpr int rounds = 8;
   constexpr double soft = 1e-5;
@@ -68,11 +68,8 @@ double World::Impl::part(std::vector<State>& s, const std::vector<TieRecord>& ti
   double lift = 0;
   deepest = 0;
   for (int round = 0; round < rounds; ++round) {
-    std::vector<double> travel(shapes.size(), 0);
-    double deep = 0;
-    std::vector<Touch> list = touches_of(near_pairs(travel), travel, false);
-    double wrong = 0;
-    for (const Touch& t : list) {
+    double deep = 0, wrong = 0;
+    for (const Touch& t : seen.touches) {
       deep = std::max(deep, -t.gap);
       wrong = std::max(wrong, -t.gap / t.size);
     }
@@ -87,8 +84,9 @@ double World::Impl::part(std::vector<State>& s, const std::vector<TieRecord>& ti
     if (wrong <= 1e-9) return lift;
     // What wedges between walls is left as it is: the look at all overlaps after the step decides.
     if (round + 1 == rounds) return lift;
+    std::vector<double> travel(shapes.size(), 0);
     for (std::uint32_t b = 0; b < shapes.size(); ++b) travel[b] = moves(b) ? 4 * deep : 0;
-    list = touches_of(near_pairs(travel), travel, false);
+    const std::vector<Touch> list = touches_of(near_pairs(travel), travel, false);
     for (const Island& island : islands_of(list)) {
       Island only = island;
       only.bonds.clear();
@@ -115,6 +113,7 @@ double World::Impl::part(std::vector<State>& s, const std::vector<TieRecord>& ti
       lift += move_apart(only, moved, s);
     }
     place_all(s, false);
+    seen = look();
   }
   return lift;
 }

@@ -395,6 +395,7 @@ std::expected<bool, World::Impl::Failure> World::Impl::solve_all(const std::vect
 
 std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tolerate, Attempt& out) {
   std::vector<double> travel(shapes.size(), 0);
+  Look seen;
   for (int round = 0;;) {
     out = {};
     const std::vector<State> mid = predict(step, travel);
@@ -417,9 +418,9 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tol
       }
       if (!std::ranges::all_of(out.state, is_finite)) return Failure{0, "the motion of a body is not finite"};
       place_all(out.state, false);
+      seen = look();
       if (round >= rounds) break;
-      const std::vector<double> none(shapes.size(), 0);
-      std::vector<Touch> at_end = touches_of(near_pairs(none), none, false);
+      std::vector<Touch> at_end = seen.touches;
       drop_bonded(at_end, out.state);
       const std::vector<Touch> more = missed(out.touches, at_end, mid, out.state);
       if (more.empty()) break;
@@ -432,7 +433,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tol
   }
   lengthen_ties(out);
   double deepest = 0;
-  out.projected = part(out.state, out.ties, deepest);
+  out.projected = part(out.state, out.ties, seen, deepest);
   out.report.max_penetration = deepest;
   double smallest = extent;
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
@@ -440,7 +441,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tol
   }
   if (deepest > 5e-3 * smallest) return Failure{deepest, "bodies ran into one another"};
   std::vector<std::uint32_t> pair;
-  out.report.overlap = deepest_overlap(pair);
+  out.report.overlap = deepest_overlap(seen.pairs, pair);
   if (out.report.overlap > options.overlap) return Failure{out.report.overlap, "two bodies overlap", pair};
   return {};
 }

@@ -192,7 +192,7 @@ std::expected<World, BadScene> World::make(SceneSpec scene, WorldOptions options
   }
   impl->extent = extent_of(corners);
   std::vector<std::uint32_t> pair;
-  if (impl->deepest_overlap(pair) > options.overlap) {
+  if (impl->deepest_overlap(impl->look().pairs, pair) > options.overlap) {
     return std::unexpected(BadScene{"", "two bodies overlap at the start", pair});
   }
   World world{std::move(impl)};

@@ -243,15 +243,22 @@ struct World::Impl {
   /// Touches that overlap in the end state and that the list does not know, as they were at the kick.
   [[nodiscard]] std::vector<Touch> missed(const std::vector<Touch>& list, const std::vector<Touch>& at_end,
                                           const std::vector<State>& mid, const std::vector<State>& end) const;
-  [[nodiscard]] double deepest_overlap(std::vector<std::uint32_t>& pair) const;
+  /// What is near and what touches or overlaps where bodies are placed.
+  struct Look {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+    std::vector<Touch> touches;
+  };
+  [[nodiscard]] Look look() const;
+  [[nodiscard]] double deepest_overlap(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& near,
+                                       std::vector<std::uint32_t>& pair) const;
 
   // parting.cpp
   /// Moves the bodies of a group; what that brings in of energy.
   [[nodiscard]] double move_apart(const Island& island, const Solution& moved, std::vector<State>& s) const;
   [[nodiscard]] double turn_all(const Island& island, Vec3 angular, std::vector<State>& s) const;
   /// Moves bodies apart that overlap, and together what hangs on ties that are too long, as far as there is room; what
-  /// that brings in of energy.
-  [[nodiscard]] double part(std::vector<State>& s, const std::vector<TieRecord>& tied, double& deepest);
+  /// that brings in of energy. `seen`: of this state; then of where they have come to.
+  [[nodiscard]] double part(std::vector<State>& s, const std::vector<TieRecord>& tied, Look& seen, double& deepest);
 };
 
 [[nodiscard]] Matrix6 mass_matrix(const Shape& shape, Turn turn);
