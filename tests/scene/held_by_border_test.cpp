@@ -274,10 +274,16 @@ std::string slab_behind_crumb(std::string_view more) {
 }
 
 TEST(Crumbs, WhatOnlyTheyHoldIsSaid) {
-  const RunResult held = run_of(slab_behind_crumb("[micro_blocks]\nvolume = 0.01\n"));
+  const RunResult held = run_of(slab_behind_crumb("groups = \"off\"\n[micro_blocks]\nvolume = 0.01\n"));
   EXPECT_EQ(held.figures.key_blocks->count, 0U);
-  EXPECT_EQ(notes_with(held, "stays only because of a micro-block (0.0"), 1U);
-  EXPECT_EQ(notes_with(held, "without it the least factor of safety is 0.434 (block "), 1U);
+  EXPECT_EQ(notes_with(held, "1 block (48.27 m3) stays only because of a micro-block (0.00435 m3 in all): without it "
+                             "the least factor of safety is 0.434 (block "),
+            1U);
+  // Judged with all around it the slab turns about the crumb, which lifts its factor.
+  const RunResult group = run_of(slab_behind_crumb("[micro_blocks]\nvolume = 0.01\n"));
+  EXPECT_EQ(notes_with(group, "1 key group leans on a micro-block (0.00435 m3 in all): what it holds is in the factor "
+                              "of 0.826; without it a block of the group has 0.434 by itself;"),
+            1U);
   const RunResult without = run_of(slab_behind_crumb("[micro_blocks]\nvolume = 0.01\npolicy = \"exclude\"\n"));
   EXPECT_EQ(without.figures.key_blocks->count, 1U);
   EXPECT_EQ(notes_with(without, "only because of a micro-block"), 0U);

@@ -109,8 +109,8 @@ std::string support_lines(const scene::SupportFigures& support, const std::vecto
           "{held_by_shotcrete} by shotcrete, {held_by_both} by both, {not_held} not held\n",
           all);
   if (support.key_blocks_behind > 0) {
-    text += fmt::format("  {} more {} behind {} and {} where {} held\n",
-                        counted(support.key_blocks_behind, "key block"),
+    text += fmt::format("  {} {} behind {} and {} where {} held\n",
+                        counted(support.key_blocks_behind, "more key block"),
                         support.key_blocks_behind == 1 ? "lies" : "lie", one ? "it" : "them",
                         support.key_blocks_behind == 1 ? "stays" : "stay", one ? "it is" : "they are");
   }

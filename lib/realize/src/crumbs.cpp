@@ -44,25 +44,29 @@ std::optional<HeldByCrumbs> held_by_crumbs(const topology::AuditedComplex& compl
   if (crumbs.empty()) return std::nullopt;
   HeldByCrumbs held{.crumbs = crumbs.size()};
   for (const BlockId id : crumbs) held.volume_of_crumbs += complex.complex().blocks()[id].volume;
-  std::vector<BlockId> known = leaving(analysis);
+  std::vector<BlockId> known = leaving(analysis), leaning;
   if (groups) {
     for (const stability::KeyGroup& group : groups->groups) {
       known.insert(known.end(), group.blocks.begin(), group.blocks.end());
       if (!leans_on(complex.complex(), group, crumbs)) continue;
+      leaning.insert(leaning.end(), group.blocks.begin(), group.blocks.end());
       ++held.groups;
       held.least_of_groups = std::min(held.least_of_groups, group.least_factor());
     }
-    std::ranges::sort(known);
   }
+  std::ranges::sort(known);
+  std::ranges::sort(leaning);
   settings.left_out = std::move(crumbs);
   const stability::Analysis without = stability::analyse(complex, settings);
   for (const BlockId id : leaving(without)) {
+    const auto judged = std::ranges::lower_bound(without.judgements, id, {}, &stability::Judgement::block);
+    const double factor = judged != without.judgements.end() && judged->block == id ? judged->factor_of_safety : 0;
+    if (std::ranges::binary_search(leaning, id)) held.alone_without = std::min(held.alone_without, factor);
     if (std::ranges::binary_search(known, id)) continue;
     ++held.blocks;
     held.volume += complex.complex().blocks()[id].volume;
-    const auto judged = std::ranges::lower_bound(without.judgements, id, {}, &stability::Judgement::block);
-    if (judged == without.judgements.end() || !(judged->factor_of_safety < held.least_factor)) continue;
-    held.least_factor = judged->factor_of_safety;
+    if (!(factor < held.least_factor)) continue;
+    held.least_factor = factor;
     held.least = id;
   }
   return held.blocks + held.groups > 0 ? std::optional{held} : std::nullopt;
@@ -82,11 +86,16 @@ void add_crumb_notes(const std::optional<HeldByCrumbs>& held, std::vector<std::s
         held->least ? fmt::format(" (block {})", held->least->value()) : ""));
   }
   if (held->groups > 0) {
+    const bool one = held->crumbs == 1;
     notes.push_back(fmt::format(
-        "{} on some of {}: what these hold is in {}, {:.3g} at least; [micro_blocks] policy = \"exclude\" judges "
-        "without",
-        held->groups == 1 ? "1 key group leans" : fmt::format("{} key groups lean", held->groups), crumbs,
-        held->groups == 1 ? "its factor" : "their factors", held->least_of_groups));
+        "{} on {}{}: what {} in {} {:.3g}{}; [micro_blocks] policy = \"exclude\" judges without",
+        held->groups == 1 ? "1 key group leans" : fmt::format("{} key groups lean", held->groups),
+        one ? "" : "some of ", crumbs, one ? "it holds is" : "these hold is",
+        held->groups == 1 ? "the factor of" : "their factors, the least of them", held->least_of_groups,
+        held->alone_without < held->least_of_groups
+            ? fmt::format("; without {} a block of the group has {:.3g} by itself", one ? "it" : "them",
+                          held->alone_without)
+            : ""));
   }
 }
 

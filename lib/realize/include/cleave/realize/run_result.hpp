@@ -262,6 +262,7 @@ struct HeldByCrumbs {
   std::optional<topology::BlockId> least = {};  ///< of these, the one with that factor
   std::uint64_t groups = 0;                     ///< key groups that have some among them or right beside them
   double least_of_groups = std::numeric_limits<double>::infinity();
+  double alone_without = std::numeric_limits<double>::infinity();  ///< least of their blocks where crumbs are left out
 };
 
 /// Joint faces of a block on one plane.
