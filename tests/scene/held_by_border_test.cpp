@@ -181,17 +181,18 @@ TEST(Openings, OneThatOnlyTheCutterFindsOutsideIsRefused) {
 // comes out beside its ends, may be misplaced.
 TEST(Openings, EndsThatComeOutAreMeantTo) {
   const auto tunnel = [](std::string_view axis) {
-    return run_of(with_box(fmt::format("[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\n"
-                                       "section = {{ shape = \"d_shape\", width = 2, wall = 1 }}\naxis = {}\n",
-                                       axis)));
+    return run_of(
+        with_box(fmt::format("[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\n"
+                             "section = {{ shape = \"d_shape\", width = 2, wall = 1 }}\naxis = {}\n",
+                             axis)));
   };
   for (const std::string_view axis : {"[[4, -1, 3], [4, 9.5, 3]]", "[[-1, 4, 3], [4, 4, 3], [4, -1, 3]]"}) {
     const RunResult meant = tunnel(axis);
     EXPECT_EQ(notes_with(meant, "outside the domain"), 0U) << axis;
     EXPECT_GT(*meant.figures.input.excavations[0].outside_share, 0) << axis;
   }
-  for (const std::string_view axis :
-       {"[[4, -3, 3], [4, 9, 3]]", "[[4, -1, 3], [4, 11, 3]]", "[[0.5, -1, 3], [0.5, 9, 3]]", "[[4, 0, 5.8], [4, 8, 5.8]]"}) {
+  for (const std::string_view axis : {"[[4, -3, 3], [4, 9, 3]]", "[[4, -1, 3], [4, 11, 3]]",
+                                      "[[0.5, -1, 3], [0.5, 9, 3]]", "[[4, 0, 5.8], [4, 8, 5.8]]"}) {
     EXPECT_EQ(notes_with(tunnel(axis), "of it lies outside the domain"), 1U) << axis;
   }
 }
@@ -276,13 +277,15 @@ std::string slab_behind_crumb(std::string_view more) {
 TEST(Crumbs, WhatOnlyTheyHoldIsSaid) {
   const RunResult held = run_of(slab_behind_crumb("groups = \"off\"\n[micro_blocks]\nvolume = 0.01\n"));
   EXPECT_EQ(held.figures.key_blocks->count, 0U);
-  EXPECT_EQ(notes_with(held, "1 block (48.27 m3) stays only because of a micro-block (0.00435 m3 in all): without it "
-                             "the least factor of safety is 0.434 (block "),
+  EXPECT_EQ(notes_with(held,
+                       "1 block (48.27 m3) stays only because of a micro-block (0.00435 m3 in all): without it "
+                       "the least factor of safety is 0.434 (block "),
             1U);
   // Judged with all around it the slab turns about the crumb, which lifts its factor.
   const RunResult group = run_of(slab_behind_crumb("[micro_blocks]\nvolume = 0.01\n"));
-  EXPECT_EQ(notes_with(group, "1 key group leans on a micro-block (0.00435 m3 in all): what it holds is in the factor "
-                              "of 0.826; without it a block of the group has 0.434 by itself;"),
+  EXPECT_EQ(notes_with(group,
+                       "1 key group leans on a micro-block (0.00435 m3 in all): what it holds is in the factor "
+                       "of 0.826; without it a block of the group has 0.434 by itself;"),
             1U);
   const RunResult without = run_of(slab_behind_crumb("[micro_blocks]\nvolume = 0.01\npolicy = \"exclude\"\n"));
   EXPECT_EQ(without.figures.key_blocks->count, 1U);

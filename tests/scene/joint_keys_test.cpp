@@ -110,9 +110,10 @@ TEST(JointKeys, ASurfaceOfAnObjFile) {
 // Drawn joints end inside the rock as often as not: told where nearly none separates anything. Given ones always.
 TEST(JointKeys, GivenJointsThatSeparateNothingAreNamed) {
   const auto drawn = [](double size) {
-    return fmt::format("[[joint_set]]\nname = \"A\"\norientation = {{ dip = 30, dip_direction = 90 }}\nshape = \"disc\"\n"
-                       "size = {{ distribution = \"constant\", mean = {} }}\nintensity = {{ count = 20 }}\n",
-                       size);
+    return fmt::format(
+        "[[joint_set]]\nname = \"A\"\norientation = {{ dip = 30, dip_direction = 90 }}\nshape = \"disc\"\n"
+        "size = {{ distribution = \"constant\", mean = {} }}\nintensity = {{ count = 20 }}\n",
+        size);
   };
   const std::string stub = "[[joint]]\npolygon = [[-1, -1, 3], [3, -1, 3], [3, 9, 3], [-1, 9, 3]]\n";
   const RunResult mixed = run_of(with_box(drawn(15)));

@@ -488,18 +488,18 @@ TEST(SupportTest, BoltsEndInTheAirAndGoOnInRock) {
   };
   const Vec3 up{0, 0, 1};
   const BoltResult inside = bolted({4}, {2, 2, 0}, up, 4);
-  EXPECT_EQ(inside.outside, 0);
+  EXPECT_EQ(inside.outside.si(), 0);
   EXPECT_EQ(inside.pierced.back().to, 4);
   const BoltResult beyond = bolted({4}, {2, 2, 0}, up, 6);
-  EXPECT_NEAR(beyond.outside, 2, 1e-9);
+  EXPECT_NEAR(beyond.outside.si(), 2, 1e-9);
   EXPECT_EQ(beyond.pierced.back().to, 6);
   // Through the side x = 0 after 2 sqrt 2 m.
   const double half = std::sqrt(0.5);
-  EXPECT_NEAR(bolted({4}, {2, 2, 0}, {-half, 0, half}, 4).outside, 4 - 2 / half, 1e-9);
-  for (const auto& [air, ends] : {std::pair{bolted({4, 5}, {2, 2, 0}, up, 6), 4.0},
-                                  std::pair{bolted({4}, {6, 2, 0}, up, 6), 2.0},
-                                  std::pair{bolted({4}, {6, 2, 0}, up, 3), 2.0}}) {
-    EXPECT_EQ(air.outside, 0);
+  EXPECT_NEAR(bolted({4}, {2, 2, 0}, {-half, 0, half}, 4).outside.si(), 4 - 2 / half, 1e-9);
+  for (const auto& [air, ends] :
+       {std::pair{bolted({4, 5}, {2, 2, 0}, up, 6), 4.0}, std::pair{bolted({4}, {6, 2, 0}, up, 6), 2.0},
+        std::pair{bolted({4}, {6, 2, 0}, up, 3), 2.0}}) {
+    EXPECT_EQ(air.outside.si(), 0);
     ASSERT_EQ(air.pierced.size(), 2U);
     EXPECT_NEAR(air.pierced.back().to, ends, 1e-9);
   }

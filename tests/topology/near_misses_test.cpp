@@ -96,8 +96,8 @@ TEST(NearMisses, ClosedSurfacesHaveNone) {
     const ClosedSet set = support::any_closed_set(u);
     EXPECT_EQ(near_misses(in_a_box(set, turned(u))).sides, 0U) << set.name;
   }
-  // A surface of triangles that is flat but for 1e-7, and goes on beyond the domain: where its triangles meet at a corner,
-  // a side of the one runs close to the other.
+  // A surface of triangles that is flat but for 1e-7, and goes on beyond the domain: where its triangles meet at a
+  // corner, a side of the one runs close to the other.
   auto flat = scene(box({-1, -1, -1}, {1, 1, 1}));
   const auto at = [](int i, int j) -> geometry::Vec3 { return {0.7 * i, 0.7 * j, i == j ? 0 : 1e-7 * (i - j) * j}; };
   std::vector<std::vector<geometry::Vec3>> triangles;

@@ -94,7 +94,8 @@ std::string support_verdict(const scene::SupportFigures& support, const std::vec
 }
 
 /// "1 block", "3 blocks".
-std::string counted(std::uint64_t count, std::string_view word, std::string_view one = "", std::string_view many = "s") {
+std::string counted(std::uint64_t count, std::string_view word, std::string_view one = "",
+                    std::string_view many = "s") {
   return fmt::format("{} {}{}", count, word, count == 1 ? one : many);
 }
 
@@ -109,10 +110,10 @@ std::string support_lines(const scene::SupportFigures& support, const std::vecto
           "{held_by_shotcrete} by shotcrete, {held_by_both} by both, {not_held} not held\n",
           all);
   if (support.key_blocks_behind > 0) {
-    text += fmt::format("  {} {} behind {} and {} where {} held\n",
-                        counted(support.key_blocks_behind, "more key block"),
-                        support.key_blocks_behind == 1 ? "lies" : "lie", one ? "it" : "them",
-                        support.key_blocks_behind == 1 ? "stays" : "stay", one ? "it is" : "they are");
+    text +=
+        fmt::format("  {} {} behind {} and {} where {} held\n", counted(support.key_blocks_behind, "more key block"),
+                    support.key_blocks_behind == 1 ? "lies" : "lie", one ? "it" : "them",
+                    support.key_blocks_behind == 1 ? "stays" : "stay", one ? "it is" : "they are");
   }
   text += fmt::format("  {}, {} ({} failing); ", counted(support.bolts, "bolt"),
                       counted(support.combined, "stitched bod", "y", "ies"), support.combined_failing) +
@@ -132,12 +133,11 @@ std::string support_lines(const scene::SupportFigures& support, const std::vecto
             all);
   }
   for (const scene::SupportCaseFigures& load : cases) {
-    text +=
-        fmt::format("  under {}: {} below {} target ", load.name, counted(load.figures.blocks, "block"),
-                    load.figures.blocks == 1 ? "its" : "their") +
-        say("({target_falling:g}, {target_sliding:g}), {not_held} not held; required by these blocks "
-            "{required_force_n}, missing {missing_force_n}\n",
-            load);
+    text += fmt::format("  under {}: {} below {} target ", load.name, counted(load.figures.blocks, "block"),
+                        load.figures.blocks == 1 ? "its" : "their") +
+            say("({target_falling:g}, {target_sliding:g}), {not_held} not held; required by these blocks "
+                "{required_force_n}, missing {missing_force_n}\n",
+                load);
   }
   if (support.groups && support.groups->count > 0) {
     text += fmt::format("  {} of blocks below {} target, ", counted(support.groups->count, "group"),

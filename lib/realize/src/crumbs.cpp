@@ -74,9 +74,9 @@ std::optional<HeldByCrumbs> held_by_crumbs(const topology::AuditedComplex& compl
 
 void add_crumb_notes(const std::optional<HeldByCrumbs>& held, std::vector<std::string>& notes) {
   if (!held) return;
-  const std::string crumbs = fmt::format("{} ({:.3g} m3 in all)",
-                                         held->crumbs == 1 ? "a micro-block" : fmt::format("{} micro-blocks", held->crumbs),
-                                         held->volume_of_crumbs.si());
+  const std::string crumbs = fmt::format(
+      "{} ({:.3g} m3 in all)", held->crumbs == 1 ? "a micro-block" : fmt::format("{} micro-blocks", held->crumbs),
+      held->volume_of_crumbs.si());
   if (held->blocks > 0) {
     notes.push_back(fmt::format(
         "{} ({:.4g} m3) {} only because of {}: without {} the least factor of safety is {:.3g}{}; count on no crumbs: "
@@ -87,15 +87,15 @@ void add_crumb_notes(const std::optional<HeldByCrumbs>& held, std::vector<std::s
   }
   if (held->groups > 0) {
     const bool one = held->crumbs == 1;
-    notes.push_back(fmt::format(
-        "{} on {}{}: what {} in {} {:.3g}{}; [micro_blocks] policy = \"exclude\" judges without",
-        held->groups == 1 ? "1 key group leans" : fmt::format("{} key groups lean", held->groups),
-        one ? "" : "some of ", crumbs, one ? "it holds is" : "these hold is",
-        held->groups == 1 ? "the factor of" : "their factors, the least of them", held->least_of_groups,
-        held->alone_without < held->least_of_groups
-            ? fmt::format("; without {} a block of the group has {:.3g} by itself", one ? "it" : "them",
-                          held->alone_without)
-            : ""));
+    notes.push_back(
+        fmt::format("{} on {}{}: what {} in {} {:.3g}{}; [micro_blocks] policy = \"exclude\" judges without",
+                    held->groups == 1 ? "1 key group leans" : fmt::format("{} key groups lean", held->groups),
+                    one ? "" : "some of ", crumbs, one ? "it holds is" : "these hold is",
+                    held->groups == 1 ? "the factor of" : "their factors, the least of them", held->least_of_groups,
+                    held->alone_without < held->least_of_groups
+                        ? fmt::format("; without {} a block of the group has {:.3g} by itself", one ? "it" : "them",
+                                      held->alone_without)
+                        : ""));
   }
 }
 

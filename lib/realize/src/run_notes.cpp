@@ -291,10 +291,10 @@ void add_outside_note(const stability::SupportResult& support, std::vector<std::
   std::size_t count = 0;
   double outside = 0, most = 0;
   for (const stability::BoltResult& bolt : support.bolts) {
-    if (!(bolt.outside > 0)) continue;
+    if (!(bolt.outside > Length{})) continue;
     ++count;
-    outside += bolt.outside;
-    most = std::max(most, bolt.outside);
+    outside += bolt.outside.si();
+    most = std::max(most, bolt.outside.si());
   }
   if (count == 0) return;
   notes.push_back(fmt::format(
@@ -395,6 +395,17 @@ void add_barred_note(const std::vector<stability::Barred>& barred, bool too_many
       too_many ? "too many blocks are near free faces to be judged together" : "see `groups`"));
 }
 
+namespace {
+/// What stays in place by something that may not be counted on.
+void add_held_notes(const Realization& made, std::vector<std::string>& notes) {
+  add_enclosed_notes(made.held_from_within, notes);
+  add_barred_note(made.barred, made.key_groups && made.key_groups->too_many, notes);
+  add_crumb_notes(made.held_by_crumbs, notes);
+  add_taper_notes(made, notes);
+  add_border_notes(made, notes);
+}
+}  // namespace
+
 std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   const std::optional<stability::Analysis>& analysis = made.analysis;
   const std::optional<FieldStressResult>& clamped = made.field_stress;
@@ -424,11 +435,7 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   }
   if (analysis) add_cohesion_note(*analysis, notes);
   if (analysis) add_rotation_note(*analysis, notes);
-  add_enclosed_notes(made.held_from_within, notes);
-  add_barred_note(made.barred, made.key_groups && made.key_groups->too_many, notes);
-  add_crumb_notes(made.held_by_crumbs, notes);
-  add_taper_notes(made, notes);
-  add_border_notes(made, notes);
+  add_held_notes(made, notes);
   if (analysis && made.complex) add_lifted_notes(scene, made, notes);
   if (analysis && made.complex) add_case_notes(scene, made, notes);
   if (made.support) add_anchor_note(*made.support, notes);

@@ -132,8 +132,7 @@ std::expected<std::vector<std::string>, WriteError> write_sections(const scene::
     if (section.left_out > 0) {
       notes.push_back(file + ": " +
                       (section.left_out == 1 ? "1 sliver was" : std::to_string(section.left_out) + " slivers were") +
-                      " left out, " +
-                      number(section.left_out_area) + " m2");
+                      " left out, " + number(section.left_out_area) + " m2");
     }
   }
   return notes;

@@ -166,9 +166,8 @@ std::vector<Vec3> collars_on(const topology::BlockComplex& complex, const Face& 
   }
   std::vector<Vec3> collars;
   for (std::uint32_t i = 0; i < 400; ++i) {
-    const Vec3 x =
-        i == 0 ? face.centroid
-               : face.centroid + (u0 + halton(i, 2) * (u1 - u0)) * u + (v0 + halton(i, 3) * (v1 - v0)) * v;
+    const Vec3 x = i == 0 ? face.centroid
+                          : face.centroid + (u0 + halton(i, 2) * (u1 - u0)) * u + (v0 + halton(i, 3) * (v1 - v0)) * v;
     if (contains(complex, face, x)) collars.push_back(x);
   }
   return collars;

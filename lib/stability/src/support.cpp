@@ -176,13 +176,13 @@ class Check final {
 
   void add_bolt(const Bolt& bolt, bool spot) {
     const BoltPath path = paths_.path(bolt);
-    BoltResult entry{.bolt = bolt, .spot = spot, .pierced = path.pierced, .outside = path.outside};
+    BoltResult entry{.bolt = bolt, .spot = spot, .pierced = path.pierced, .outside = metres(path.outside)};
     // Its head is on what is left after scaling.
     const auto left = std::ranges::find_if_not(entry.pierced, [&](const Pierced& p) { return gone_(p.block); });
     entry.pierced.erase(entry.pierced.begin(), left);
     if (entry.pierced.empty()) {
       entry.status = BoltStatus::off;
-      entry.outside = 0;
+      entry.outside = {};
     }
     note_truncated(path);
     for (const Pierced& p : entry.pierced) note_border(p.block);
