@@ -107,11 +107,12 @@ TEST(TerminalTest, SupportAndMotion) {
   scene::RunResult r = result();
   r.figures.support =
       scene::SupportFigures{.targets = {.falling = 1.5, .sliding = 2},
-                            .blocks = 9,
+                            .blocks = 10,
                             .held_by_bolts = 1,
                             .held_by_shotcrete = 2,
                             .held_by_both = 3,
                             .not_held = 4,
+                            .key_blocks_behind = 2,
                             .bolts = 50,
                             .combined = 6,
                             .combined_failing = 5,
@@ -123,16 +124,25 @@ TEST(TerminalTest, SupportAndMotion) {
   const std::string text = figures_of(r);
   EXPECT_TRUE(holds(
       text,
-      "\nsupport      DOES NOT PASS: 9 blocks by themselves below their target (falling 1.5, sliding 2), 1 held by "
-      "bolts, 2 by "
-      "shotcrete, 3 by both, 4 not held\n  50 bolts, 6 stitched bodies (5 failing); required by these "
-      "blocks 1.234 kN, missing no force is enough\n  8 groups of blocks below their target, 7 not held, 1 in doubt\n"))
+      "\nsupport      DOES NOT PASS: 10 blocks below their target by themselves (falling 1.5, sliding 2): 1 held by "
+      "bolts, 2 by shotcrete, 3 by both, 4 not held\n  2 more key blocks lie behind them and stay where they are held\n"
+      "  50 bolts, 6 stitched bodies (5 failing); required by these blocks 1.234 kN, missing no force is enough\n  8 "
+      "groups of blocks below their target, 7 not held, 1 in doubt\n"))
       << text;
   EXPECT_TRUE(holds(text,
                     "\nmotion       0 of 0 blocks moved, 1.5 s (at rest), 40 steps, residual 1.0e-06, energy error "
                     "1.0e-03\n"))
       << text;
   EXPECT_NE(log_of(r).find("\nresult\n" + text), std::string::npos);
+  // One is no more than one.
+  scene::RunResult one = result();
+  one.figures.support = scene::SupportFigures{
+      .block_by_block = true, .blocks = 1, .held_by_bolts = 1, .key_blocks_behind = 1, .bolts = 1, .combined = 1};
+  EXPECT_TRUE(holds(figures_of(one),
+                    ": 1 block below its target by itself (falling 1.5, sliding 1.3): 1 held by bolts, 0 by shotcrete, "
+                    "0 by both, 0 not held\n  1 more key block lies behind it and stays where it is held\n"
+                    "  1 bolt, 1 stitched body (0 failing); required by this block 0 kN, missing 0 kN\n"))
+      << figures_of(one);
   // Where motion was refused no block was let go: it is not that none moved.
   r.motion = scene::MotionResult{.stopped_why = "refused: blocks overlap at the start", .refused = true};
   const std::string refused = figures_of(r);

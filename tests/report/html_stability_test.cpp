@@ -496,7 +496,7 @@ TEST(StabilityTables, RowsOfTheFilesBesideKeyBlocks) {
 TEST(StabilityTables, BoltsThatActedInMotion) {
   Tunnel t;
   const std::string before = bolts_csv(t.result);
-  EXPECT_TRUE(before.contains(",motion_force_n,motion_lengthened_m,motion_broken_s\n")) << before;
+  EXPECT_TRUE(before.contains(",motion_force_n,motion_lengthened_m,motion_broken_s,outside_m\n")) << before;
   scene::MotionResult& motion = t.result.motion.emplace();
   motion.supported = true;
   EXPECT_EQ(bolts_csv(t.result), before);
@@ -504,7 +504,7 @@ TEST(StabilityTables, BoltsThatActedInMotion) {
   const std::string after = bolts_csv(t.result);
   const std::size_t second = before.rfind('\n', before.size() - 2);
   EXPECT_EQ(after.substr(0, second), before.substr(0, second));
-  EXPECT_TRUE(after.ends_with(",2500,0.25,1.5\n")) << after;
+  EXPECT_TRUE(after.ends_with(",2500,0.25,1.5,0\n")) << after;
   EXPECT_TRUE(motion_section(motion).contains("1 tie blocks that are let go, 1 of them broke; largest force 2.5 kN"));
 }
 

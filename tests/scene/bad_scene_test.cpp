@@ -106,6 +106,9 @@ INSTANTIATE_TEST_SUITE_P(
             "s.toml:3: joint_set: is a table but must be a list of tables; write [[joint_set]], with double brackets"},
         Bad{"ASurvey", "[[orientations]]\nfile = \"a.csv\"\n",
             "s.toml:1: scene: is a survey file, not a scene; run cleave survey s.toml -o FOLDER"},
+        Bad{"SetsAlone", "[[joint_set]]\nname = \"A\"\n[joints.A]\nfriction = 30\n",
+            "s.toml:1: scene: has joint sets alone: it is a part of scenes, not one; write a scene with [domain] and "
+            "include = [\"s.toml\"]"},
         Bad{"NoDomain", "seed = 3\n",
             "s.toml:1: domain: is missing; add [domain] with box = { min = [0, 0, 0], max = [80, 80, 60] }, corners, "
             "mesh or terrain"},

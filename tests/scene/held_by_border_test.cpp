@@ -177,6 +177,26 @@ TEST(Openings, OneThatOnlyTheCutterFindsOutsideIsRefused) {
   EXPECT_EQ(describe(told.front()), describe(refused.error().front()));
 }
 
+// Ends that go on a little make sure that a tunnel comes out: no note. One that goes on for more than its width, or
+// comes out beside its ends, may be misplaced.
+TEST(Openings, EndsThatComeOutAreMeantTo) {
+  const auto tunnel = [](std::string_view axis) {
+    return run_of(
+        with_box(fmt::format("[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\n"
+                             "section = {{ shape = \"d_shape\", width = 2, wall = 1 }}\naxis = {}\n",
+                             axis)));
+  };
+  for (const std::string_view axis : {"[[4, -1, 3], [4, 9.5, 3]]", "[[-1, 4, 3], [4, 4, 3], [4, -1, 3]]"}) {
+    const RunResult meant = tunnel(axis);
+    EXPECT_EQ(notes_with(meant, "outside the domain"), 0U) << axis;
+    EXPECT_GT(*meant.figures.input.excavations[0].outside_share, 0) << axis;
+  }
+  for (const std::string_view axis : {"[[4, -3, 3], [4, 9, 3]]", "[[4, -1, 3], [4, 11, 3]]",
+                                      "[[0.5, -1, 3], [0.5, 9, 3]]", "[[4, 0, 5.8], [4, 8, 5.8]]"}) {
+    EXPECT_EQ(notes_with(tunnel(axis), "of it lies outside the domain"), 1U) << axis;
+  }
+}
+
 TEST(Openings, OfStagesTheyAreThoseOfTheWholeWork) {
   const RunResult result =
       run_of(with_box("[[excavation]]\nname = \"early\"\nstage = 1\nkind = \"polyhedron\"\n"
@@ -239,6 +259,42 @@ TEST(CoarseSnap, TheNoteNamesTheJoint) {
   EXPECT_EQ(notes_with(result, "snap is too coarse for a polygon: the shortest side, of joint chip ("), 1U);
 }
 
+/// A slab over a plane that dips 40 degrees out of a wall, held by a crumb of 4 l at its toe that hangs on rock beside.
+std::string slab_behind_crumb(std::string_view more) {
+  return fmt::format(
+      "[domain]\nbox = {{ min = [0, -1, 0], max = [11, 4, 7] }}\n"
+      "[[excavation]]\nname = \"cut\"\nkind = \"polyhedron\"\nbox = {{ min = [0, -1, 2], max = [5, 4, 7] }}\n"
+      "[[joint]]\nplane = {{ through = [5, 0, 2.5], dip = 40, dip_direction = 270 }}\n"
+      "[[joint]]\npolygon = [[4.9, 0, 2], [11, 0, 2], [11, 0, 8], [4.9, 0, 8], [4.9, 0, 2.6], [5.05, 0, 2.6], "
+      "[5.05, 0, 2.5], [4.9, 0, 2.5]]\n"
+      "[[joint]]\npolygon = [[5.05, -2, 2.5], [5.05, 0.1, 2.5], [5.05, 0.1, 2.6], [5.05, -2, 2.6]]\n"
+      "[[joint]]\npolygon = [[4.9, 0.1, 2.5], [5.05, 0.1, 2.5], [5.05, 0.1, 2.6], [4.9, 0.1, 2.6]]\n"
+      "[[joint]]\npolygon = [[4.9, -2, 2.6], [5.05, -2, 2.6], [5.05, 0.1, 2.6], [4.9, 0.1, 2.6]]\n"
+      "[joints.default]\nfriction = 20\n[rock]\ndensity = 2700\n[stability]\nfree = [\"top\", \"north\"]\n{}",
+      more);
+}
+
+TEST(Crumbs, WhatOnlyTheyHoldIsSaid) {
+  const RunResult held = run_of(slab_behind_crumb("groups = \"off\"\n[micro_blocks]\nvolume = 0.01\n"));
+  EXPECT_EQ(held.figures.key_blocks->count, 0U);
+  EXPECT_EQ(notes_with(held,
+                       "1 block (48.27 m3) stays only because of a micro-block (0.00435 m3 in all): without it "
+                       "the least factor of safety is 0.434 (block "),
+            1U);
+  // Judged with all around it the slab turns about the crumb, which lifts its factor.
+  const RunResult group = run_of(slab_behind_crumb("[micro_blocks]\nvolume = 0.01\n"));
+  EXPECT_EQ(notes_with(group,
+                       "1 key group leans on a micro-block (0.00435 m3 in all): what it holds is in the factor "
+                       "of 0.826; without it a block of the group has 0.434 by itself;"),
+            1U);
+  const RunResult without = run_of(slab_behind_crumb("[micro_blocks]\nvolume = 0.01\npolicy = \"exclude\"\n"));
+  EXPECT_EQ(without.figures.key_blocks->count, 1U);
+  EXPECT_EQ(notes_with(without, "only because of a micro-block"), 0U);
+  EXPECT_EQ(notes_with(run_of(slab_behind_crumb("[micro_blocks]\nvolume = 0.001\n")), "micro-block"), 0U);
+  EXPECT_EQ(notes_with(run_of(slab_behind_crumb("[micro_blocks]\nvolume = 0.01\npolicy = \"keep\"\n")), "micro-block"),
+            0U);
+}
+
 TEST(NearMisses, TheNoteNamesTheJoints) {
   const RunResult result =
       run_of(with_box("[[joint]]\nname = \"crown\"\npolygon = [[4, 1, 1], [4, 7, 1], [4, 7, 5], [4, 1, 5]]\n"
@@ -262,6 +318,25 @@ TEST(PressureDiagram, PercentilesAreOfAreaNotOfBlocks) {
   EXPECT_EQ(rows[1].p50.si(), 2e3);
   EXPECT_EQ(rows[1].p90.si(), 3e3);
   EXPECT_EQ(rows[2].largest.si(), 0);
+}
+
+// Nothing loads the walls: they have a row all the same, with their area.
+TEST(PressureDiagram, HasARowForPartsThatNothingLoads) {
+  const auto at = [](std::string_view place, double area, double pressure) {
+    return PressureAt{place, square_metres(area), pascals(pressure)};
+  };
+  const std::vector<PressureAt> walls{at("roof", 30, 0), at("left wall", 20, 0), at("left wall", 5, 0)};
+  const auto rows = pressure_diagram({at("roof", 2, 1e3)}, walls);
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].place, "roof");
+  EXPECT_EQ(rows[0].area.si(), 2);
+  EXPECT_EQ(rows[0].opening_area.si(), 30);
+  EXPECT_EQ(rows[0].p50.si(), 1e3);
+  EXPECT_EQ(rows[1].place, "left wall");
+  EXPECT_EQ(rows[1].area.si(), 0);
+  EXPECT_EQ(rows[1].opening_area.si(), 25);
+  EXPECT_EQ(rows[1].p95.si(), 0);
+  EXPECT_EQ(rows[1].largest.si(), 0);
 }
 
 TEST(PressureDiagram, HasARowForEveryPlaceThatABlockCanBeAt) {

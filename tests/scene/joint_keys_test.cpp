@@ -107,6 +107,24 @@ TEST(JointKeys, ASurfaceOfAnObjFile) {
       "s.toml:5: joint[1].surface: has a meaning for files only; remove it");
 }
 
+// Drawn joints end inside the rock as often as not: told where nearly none separates anything. Given ones always.
+TEST(JointKeys, GivenJointsThatSeparateNothingAreNamed) {
+  const auto drawn = [](double size) {
+    return fmt::format(
+        "[[joint_set]]\nname = \"A\"\norientation = {{ dip = 30, dip_direction = 90 }}\nshape = \"disc\"\n"
+        "size = {{ distribution = \"constant\", mean = {} }}\nintensity = {{ count = 20 }}\n",
+        size);
+  };
+  const std::string stub = "[[joint]]\npolygon = [[-1, -1, 3], [3, -1, 3], [3, 9, 3], [-1, 9, 3]]\n";
+  const RunResult mixed = run_of(with_box(drawn(15)));
+  EXPECT_GT(mixed.cut.dangling.size(), 0U);
+  EXPECT_LT(mixed.cut.dangling.size(), 20U);
+  EXPECT_EQ(notes_with(mixed, "inside the rock"), 0U);
+  EXPECT_EQ(notes_with(run_of(with_box(drawn(1))), "drawn joints end inside the rock and separate nothing"), 1U);
+  EXPECT_EQ(notes_with(run_of(with_box(drawn(1) + stub)), "1 of 1 given joints ends inside the rock"), 1U);
+  EXPECT_EQ(notes_with(run_of(with_box(stub)), "1 of 1 joints ends inside the rock"), 1U);
+}
+
 TEST(JointKeys, KeepDangling) {
   const std::string stub = "[[joint]]\npolygon = [[-1, -1, 3], [3, -1, 3], [3, 9, 3], [-1, 9, 3]]\n";
   EXPECT_FALSE(run_of(with_box(stub)).complex.value().complex().dangling().has_value());

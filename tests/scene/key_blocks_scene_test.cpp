@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <numbers>
 #include <string>
 #include <tuple>
@@ -556,8 +557,29 @@ TEST(KeyBlocksScene, EnsemblesCountByPartOfTheOpening) {
   for (const Part part : {Part::walls, Part::floor, Part::faces}) EXPECT_EQ(at(record.at_parts, part).count, 0U);
   // 1.5 times its weight of 52,974 N/m2; no more than what support gives
   const RunResult run = run_of(text);
-  ASSERT_EQ(run.figures.support->pressures.size(), 1U);
-  EXPECT_NEAR(run.figures.support->pressures[0].p95.si(), 1.5 * 2700 * 9.80665 * 2, 200);
+  const auto& rows = run.figures.support->pressures;
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_EQ(rows[0].place, "roof");
+  EXPECT_NEAR(rows[0].p95.si(), 1.5 * 2700 * 9.80665 * 2, 200);
+  EXPECT_NEAR(rows[0].area.si(), 4, 1e-9);
+  EXPECT_NEAR(rows[0].opening_area.si(), 8 * 20, 1e-9);
+  // Nothing loads the walls and the floor.
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    EXPECT_EQ(rows[k].largest.si(), 0);
+    EXPECT_EQ(rows[k].area.si(), 0);
+    EXPECT_NEAR(rows[k].opening_area.si(), rows[k].place == "floor" ? 8 * 20 : 6 * 20, 1e-9) << rows[k].place;
+  }
+  // Each face is where it is, whatever the block has most of.
+  const topology::BlockComplex& complex = run.complex->complex();
+  std::map<std::string_view, double> areas;
+  for (const topology::BlockId id : complex.blocks().ids()) {
+    for (const OpenPlace& place : pressed_places(run, complex, {.block = id})) {
+      areas[place.location] += place.free_area.si();
+    }
+  }
+  EXPECT_EQ(areas.size(), 4U);
+  EXPECT_NEAR(areas["left wall"], 6 * 20, 1e-9);
+  EXPECT_NEAR(areas["roof"], 8 * 20, 1e-9);
   ASSERT_TRUE(record.support.has_value());
   EXPECT_NEAR(record.support->pressures[std::to_underlying(Part::roof)].si(), 70e3, 1e-6);
   for (const Part part : {Part::walls, Part::floor, Part::faces}) {

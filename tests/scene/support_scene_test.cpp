@@ -31,6 +31,24 @@ std::string in_two_stages(std::string_view rest) {
       roof_tetrahedron, rest);
 }
 
+// Bolts into the roof of 4 m of rock: 1 m of each of two lies beyond the top, where rock is taken to go on.
+TEST(SupportScene, BoltsThatLeaveTheDomainAreSaid) {
+  const auto bolted = [](std::string_view free, std::string_view length) {
+    return run_of(
+        fmt::format("[domain]\nbox = {{ min = [-10, -10, 0], max = [10, 10, 4] }}\n{}[stability]\nfree = {}\n"
+                    "[support]\n[[support.bolts]]\nat = [[1, 0.5, 0], [-1, 0.5, 0]]\ndirection = [0, 0, 1]\n"
+                    "length = {}\ntendon_capacity = \"200 kN\"\nbond_strength = \"200 kN/m\"\n"
+                    "anchorage = 0.5\n",
+                    roof_tetrahedron, free, length));
+  };
+  EXPECT_EQ(notes_with(bolted("[\"bottom\"]", "5"),
+                       "2 of 2 bolts leave the domain through a side that is not free: 2 m of them, up to 1 m of one, "
+                       "lie outside"),
+            1U);
+  EXPECT_EQ(notes_with(bolted("[\"bottom\"]", "4"), "leave the domain"), 0U);
+  EXPECT_EQ(notes_with(bolted("[\"bottom\", \"top\"]", "5"), "leave the domain"), 0U);
+}
+
 // Spot bolts that one load asks for stand under all of them, and are listed: given as they are listed, the same factors
 // come out.
 TEST(SupportScene, SpotBoltsAreThoseOfEveryLoad) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "audited.hpp"
@@ -92,6 +94,35 @@ TEST(SprayedFaces, APressureActsWhereTheBlockComesOut) {
   const auto complex = audited(plug());
   const Settings settings = statics::settings({strength(30)});
   EXPECT_NEAR(found(complex, settings, layer(1)).block.required_pressure, 1.5 * 2, 1e-9);
+}
+
+// A slab of 6.4 m3 that slides into a cutting of two steps; its face on the ground above is larger than those in the
+// walls. Bolts from the ground would push it out: they go into the walls, 1.5 to 1 as these have area, and not into the
+// berm between them.
+TEST(SpotBoltPlaces, OnWallsOfExcavationsByTheirArea) {
+  const double dip = 40 * std::numbers::pi / 180;
+  topology::CutInput input{.domain = geometry::make_box({0, 0, 0}, {14, 2, 8}).value(),
+                           .joints = {},
+                           .excavations = {geometry::make_box({-1, -1, 5}, {5, 3, 7}).value(),
+                                           geometry::make_box({-1, -1, 7}, {5.5, 3, 9}).value()},
+                           .free_domain_tags = {2, 3, top}};
+  input.joints.emplace_back(topology::PersistentJoint{{5, 0, 5.5}, {-std::sin(dip), 0, std::cos(dip)}});
+  const auto complex = audited(input);
+  const Settings settings = statics::settings({strength(39)});
+  SupportPlan plan{.target_falling = 1.5, .target_sliding = 1.5};
+  plan.spot = SpotBolts{.type = {.tendon = newtons(0.4),
+                                 .plate = newtons(9),
+                                 .anchorage = metres(0.1),
+                                 .kind = GroutedBar{.bond = newtons_per_metre(9)}},
+                        .length = metres(6)};
+  const SupportResult result = check_support(complex, settings, analyse(complex, settings), plan);
+  ASSERT_EQ(result.blocks.size(), 1U);
+  EXPECT_TRUE(result.passes());
+  ASSERT_GE(result.bolts.size(), 5U);
+  std::vector<double> walls;
+  for (std::size_t k = 0; k < 5; ++k) walls.push_back(result.bolts[k].bolt.collar.x);
+  EXPECT_EQ(walls, (std::vector<double>{5, 5.5, 5, 5, 5.5}));
+  for (const BoltResult& bolt : result.bolts) EXPECT_EQ(bolt.status, BoltStatus::holds);
 }
 
 // A free side of the domain is no wall of an excavation: sprayed where it is named.

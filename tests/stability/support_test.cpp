@@ -472,6 +472,39 @@ TEST(SupportTest, SpotBoltsAreAddedUntilTheBlockHolds) {
   EXPECT_EQ(result.bolts.size(), 4U);
 }
 
+// A level joint 1 m above the free bottom of 4 m of rock, and an opening in it: what of a bolt lies beyond a side that
+// is not free grips and is told; what comes out into the air does not.
+TEST(SupportTest, BoltsEndInTheAirAndGoOnInRock) {
+  const auto bolted = [](std::vector<std::uint32_t> free, Vec3 collar, Vec3 direction, double length) {
+    topology::CutInput input{.domain = geometry::make_box({0, 0, 0}, {8, 8, 4}).value(),
+                             .joints = {},
+                             .excavations = {geometry::make_box({5, -1, 2}, {9, 9, 3}).value()},
+                             .free_domain_tags = std::move(free)};
+    input.joints.emplace_back(topology::PersistentJoint{{0, 0, 1}, {0, 0, 1}});
+    const auto complex = audited(input);
+    const Settings with = statics::settings({strength(30)});
+    const Bolt bolt{.collar = collar, .direction = direction, .length = metres(length), .type = strong};
+    return check_support(complex, with, analyse(complex, with), plan_with({bolt})).bolts.at(0);
+  };
+  const Vec3 up{0, 0, 1};
+  const BoltResult inside = bolted({4}, {2, 2, 0}, up, 4);
+  EXPECT_EQ(inside.outside.si(), 0);
+  EXPECT_EQ(inside.pierced.back().to, 4);
+  const BoltResult beyond = bolted({4}, {2, 2, 0}, up, 6);
+  EXPECT_NEAR(beyond.outside.si(), 2, 1e-9);
+  EXPECT_EQ(beyond.pierced.back().to, 6);
+  // Through the side x = 0 after 2 sqrt 2 m.
+  const double half = std::sqrt(0.5);
+  EXPECT_NEAR(bolted({4}, {2, 2, 0}, {-half, 0, half}, 4).outside.si(), 4 - 2 / half, 1e-9);
+  for (const auto& [air, ends] :
+       {std::pair{bolted({4, 5}, {2, 2, 0}, up, 6), 4.0}, std::pair{bolted({4}, {6, 2, 0}, up, 6), 2.0},
+        std::pair{bolted({4}, {6, 2, 0}, up, 3), 2.0}}) {
+    EXPECT_EQ(air.outside.si(), 0);
+    ASSERT_EQ(air.pierced.size(), 2U);
+    EXPECT_NEAR(air.pierced.back().to, ends, 1e-9);
+  }
+}
+
 // W1 = 50 at the face, W2 = 100 behind it: the bolt holds the first block, and both slide together.
 TEST(SupportTest, SecondStepFindsBlocksThatSlideTogether) {
   const Slope slope = Slope::make(30, 15, 2, {10});

@@ -96,6 +96,20 @@ TEST(NearMisses, ClosedSurfacesHaveNone) {
     const ClosedSet set = support::any_closed_set(u);
     EXPECT_EQ(near_misses(in_a_box(set, turned(u))).sides, 0U) << set.name;
   }
+  // A surface of triangles that is flat but for 1e-7, and goes on beyond the domain: where its triangles meet at a
+  // corner, a side of the one runs close to the other.
+  auto flat = scene(box({-1, -1, -1}, {1, 1, 1}));
+  const auto at = [](int i, int j) -> geometry::Vec3 { return {0.7 * i, 0.7 * j, i == j ? 0 : 1e-7 * (i - j) * j}; };
+  std::vector<std::vector<geometry::Vec3>> triangles;
+  for (int i = -2; i < 2; ++i) {
+    for (int j = -2; j < 2; ++j) {
+      triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  }
+  add(flat, triangles);
+  EXPECT_EQ(count_blocks(flat), 2U);
+  EXPECT_EQ(near_misses(flat).sides, 0U);
   // A bar with one edge taken off by 1e-7: the sides that it parts do not meet, and yet nothing is open.
   const double d = 1e-7;
   const std::vector<std::array<double, 2>> outline{{0, 0}, {0.5, 0}, {0.5, 0.5 - d}, {0.5 - d, 0.5}, {0, 0.5}};

@@ -28,22 +28,6 @@ double off(Vec3 p, Vec3 q, Vec3 point) {
   return geometry::norm(to - (square > 0 ? std::clamp(dot(to, side) / square, 0.0, 1.0) : 0.0) * side);
 }
 
-/// The part of a segment that a convex domain leaves; false where nothing is.
-bool clip(std::span<const HalfSpace> sides, const Prepared& prepared, Vec3& p, Vec3& q) {
-  for (const HalfSpace& side : sides) {
-    const auto& n = prepared.planes[side.plane].approx();
-    const auto height = [&](Vec3 at) {
-      const double above = n[0] * at.x + n[1] * at.y + n[2] * at.z + std::ldexp(n[3], 48);
-      return side.inside_positive ? above : -above;
-    };
-    const double at_p = height(p), at_q = height(q);
-    if (at_p >= 0 && at_q >= 0) continue;
-    if (at_p <= 0 && at_q <= 0) return false;
-    (at_p < at_q ? p : q) = p + (at_p / (at_p - at_q)) * (q - p);
-  }
-  return true;
-}
-
 std::vector<OpenSide> open_sides(std::span<const JointPolygon> polygons, const std::vector<std::uint8_t>& left_out,
                                  const SharedCorners& shared, const Prepared& prepared) {
   std::vector<OpenSide> open;
@@ -57,7 +41,7 @@ std::vector<OpenSide> open_sides(std::span<const JointPolygon> polygons, const s
         return;
       }
       OpenSide side{k, a, b, as_vec3(a), as_vec3(b)};
-      if (clip(prepared.clip, prepared, side.p, side.q)) open.push_back(side);
+      if (clip_to_domain(prepared, side.p, side.q)) open.push_back(side);
     });
     if (!any_shared) open.erase(open.begin() + static_cast<std::ptrdiff_t>(before), open.end());
   }
@@ -65,6 +49,21 @@ std::vector<OpenSide> open_sides(std::span<const JointPolygon> polygons, const s
 }
 
 }  // namespace
+
+bool clip_to_domain(const Prepared& prepared, Vec3& p, Vec3& q) {
+  for (const HalfSpace& side : prepared.clip) {
+    const auto& n = prepared.planes[side.plane].approx();
+    const auto height = [&](Vec3 at) {
+      const double above = n[0] * at.x + n[1] * at.y + n[2] * at.z + std::ldexp(n[3], 48);
+      return side.inside_positive ? above : -above;
+    };
+    const double at_p = height(p), at_q = height(q);
+    if (at_p >= 0 && at_q >= 0) continue;
+    if (at_p <= 0 && at_q <= 0) return false;
+    (at_p < at_q ? p : q) = p + (at_p / (at_p - at_q)) * (q - p);
+  }
+  return true;
+}
 
 NearMisses find_open_rims(std::span<const JointPolygon> polygons, const std::vector<std::uint8_t>& left_out,
                           const std::vector<std::optional<exact::Plane>>& sheets, const SharedCorners& shared,

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "cleave/facets/gaps.hpp"
+#include "detail/as_vec3.hpp"
 #include "detail/folds.hpp"
 #include "detail/hanging_corners.hpp"
 #include "detail/open_rims.hpp"
@@ -237,9 +238,15 @@ void Preparation::drop_vanished() {
 }
 
 bool Preparation::rim_shared(const JointPolygon& entry) const {
-  bool all = shared_.any_side();
-  SideUsers::for_each_side(entry, [&](LatticePoint a, LatticePoint b) { all = all && shared_.shared(a, b); });
-  return all;
+  bool all = shared_.any_side(), any = false;
+  SideUsers::for_each_side(entry, [&](LatticePoint a, LatticePoint b) {
+    if (!all) return;
+    const bool own = shared_.shared(a, b);
+    Vec3 p = as_vec3(a), q = as_vec3(b);
+    any = any || own;
+    all = own || !clip_to_domain(out_, p, q);
+  });
+  return all && any;
 }
 
 void Preparation::snap_planes() {

@@ -51,6 +51,30 @@ void add_overlap_note(const Scene& scene, const Realization& made, std::vector<s
       name_of(other, scene, made), normal_stress_on_overlaps.si() / 1e3));
 }
 
+/// Joints that end inside the rock. Of drawn ones many always do: no matter, until nearly all do.
+void add_dangling_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
+  const auto drawn = [&](const JointInfo& joint) { return joint.origin == JointOrigin::drawn; };
+  const auto all_drawn = static_cast<std::size_t>(std::ranges::count_if(made.joints, drawn));
+  std::vector<topology::JointId> given = made.cut.dangling;
+  std::erase_if(given, [&](topology::JointId id) { return drawn(made.joints[id]); });
+  const auto say = [&](std::size_t count, std::size_t of, std::string_view kind, const std::string& which) {
+    notes.push_back(fmt::format("{} of {} {}joints {} inside the rock and {} nothing{}", count, of, kind,
+                                count == 1 ? "ends" : "end", count == 1 ? "separates" : "separate", which));
+  };
+  if (!given.empty()) {
+    constexpr std::size_t named = 8;
+    std::string which;
+    for (std::size_t i = 0; i < given.size() && given.size() <= named; ++i) {
+      which += (i == 0 ? ": " : ", ") + name_of(given[i], scene, made);
+    }
+    say(given.size(), made.joints.size() - all_drawn, all_drawn == 0 ? "" : "given ", which);
+  }
+  const std::size_t of_drawn = made.cut.dangling.size() - given.size();
+  if (of_drawn > 0 && 100 * of_drawn >= 99 * all_drawn) {
+    say(of_drawn, all_drawn, "drawn ", ": check their size and intensity, in metres");
+  }
+}
+
 }  // namespace
 
 void add_cut_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
@@ -77,16 +101,7 @@ void add_cut_notes(const Scene& scene, const Realization& made, std::vector<std:
   if (report.joints_outside > 0) {
     notes.push_back(fmt::format("{} of {} joints lie outside the rock and cut nothing", report.joints_outside, joints));
   }
-  if (!report.dangling.empty()) {
-    constexpr std::size_t named = 8;
-    std::string which;
-    for (std::size_t i = 0; i < report.dangling.size() && report.dangling.size() <= named; ++i) {
-      which += (i == 0 ? ": " : ", ") + name_of(report.dangling[i], scene, made);
-    }
-    const bool one = report.dangling.size() == 1;
-    notes.push_back(fmt::format("{} of {} joints {} inside the rock and {} nothing{}", report.dangling.size(), joints,
-                                one ? "ends" : "end", one ? "separates" : "separate", which));
-  }
+  add_dangling_notes(scene, made, notes);
 }
 
 void add_micro_note(const topology::BlockComplex& complex, const MicroBlocks& limits, std::vector<std::string>& notes) {
@@ -109,14 +124,16 @@ std::string note_on(const WindowInfo& window) {
 }
 
 void add_excavation_notes(const std::vector<ExcavationInfo>& excavations, std::vector<std::string>& notes) {
-  const auto lies_outside = [](const ExcavationInfo& info) { return info.outside_share.value_or(0) > 0; };
+  const auto lies_outside = [](const ExcavationInfo& info) {
+    return info.outside_share.value_or(0) > 0 && !info.ends_only_outside;
+  };
   const auto outside = std::ranges::count_if(excavations, lies_outside);
   if (outside == 1) {
     const auto info = std::ranges::find_if(excavations, lies_outside);
     notes.push_back(fmt::format("{}: {} of it lies outside the domain; it removes {:.6g} m3 of rock", info->name,
                                 percent_outside(*info->outside_share), info->taken.removed.si()));
   } else if (outside > 1) {
-    const auto share = [](const ExcavationInfo& info) { return info.outside_share.value_or(0); };
+    const auto share = [&](const ExcavationInfo& info) { return lies_outside(info) ? *info.outside_share : 0; };
     const auto most = std::ranges::max_element(excavations, {}, share);
     double removed = 0;
     for (const ExcavationInfo& info : excavations) removed += lies_outside(info) ? info.taken.removed.si() : 0;

@@ -119,10 +119,19 @@ class PlanCheck {
   std::vector<topology::BlockId> undecided_;
 };
 
-bool holds(const stability::GroupSupport& groups, GroupsHeld asked) {
-  if (groups.too_many()) return false;  // nothing is known
-  const SupportedGroupFigures figures = count_supported_groups(groups);
-  return asked == GroupsHeld::none_moves ? figures.not_held == 0 : figures.all_held();
+/// What a pattern leaves of the groups.
+struct GroupsLeft {
+  SupportedGroupFigures figures;
+  bool too_many = false;  ///< nothing is known
+};
+
+GroupsLeft groups_left(const stability::GroupSupport& groups) {
+  return {count_supported_groups(groups), groups.too_many()};
+}
+
+bool holds(const GroupsLeft& groups, GroupsHeld asked) {
+  if (groups.too_many) return false;
+  return asked == GroupsHeld::none_moves ? groups.figures.not_held == 0 : groups.figures.all_held();
 }
 
 /// Looks for the widest spacings of one length of bolt.
@@ -166,16 +175,57 @@ class DesignSearch {
   /// A pattern is as good as its worst place: every phase must pass.
   bool passes(double scale) {
     for (std::uint32_t k = 0; k < support_->design->phases; ++k) {
-      place(scale, k);
-      const stability::SupportPlan whole = with_spot_bolts(plan_, checks_);
-      for (PlanCheck& check : checks_) {
-        const stability::SupportResult result = check(whole);
-        if (!result.passes()) return false;
-        if (asks_groups(check) && !holds(check.groups(whole, result), asked_)) return false;
+      Placed placed{*this, scale, k};
+      for (std::size_t c = 0; c < checks_.size(); ++c) {
+        if (!placed.passes(c)) return false;
+        if (asks_groups(checks_[c]) && !holds(placed.groups(c), asked_)) return false;
       }
     }
     return true;
   }
+
+  /// What was found of one phase of a pattern under one load.
+  struct Found {
+    std::optional<bool> passes;  ///< block by block and stitched
+    std::optional<GroupsLeft> groups;
+  };
+  /// A phase of the pattern with the spacings times `scale`. The search comes back to the same ones as it asks for more
+  /// or less of the groups: what they hold is found once.
+  class Placed {
+   public:
+    Placed(DesignSearch& search, double scale, std::uint32_t phase) : search_{&search}, scale_{scale}, phase_{phase} {
+      std::vector<Found>& found = search.found_[{scale, phase}];
+      found.resize(search.checks_.size());
+      found_ = &found;
+    }
+    bool passes(std::size_t check) {
+      Found& found = (*found_)[check];
+      if (!found.passes) found.passes = checked(check).passes();
+      return *found.passes;
+    }
+    const GroupsLeft& groups(std::size_t check) {
+      Found& found = (*found_)[check];
+      if (!found.groups) {
+        const stability::SupportResult result = checked(check);
+        found.groups = groups_left(search_->checks_[check].groups(*whole_, result));
+      }
+      return *found.groups;
+    }
+
+   private:
+    stability::SupportResult checked(std::size_t check) {
+      if (!whole_) {
+        search_->place(scale_, phase_);
+        whole_ = with_spot_bolts(search_->plan_, search_->checks_);
+      }
+      return search_->checks_[check](*whole_);
+    }
+    DesignSearch* search_;
+    double scale_;
+    std::uint32_t phase_;
+    std::vector<Found>* found_;
+    std::optional<stability::SupportPlan> whole_;
+  };
   [[nodiscard]] bool has_groups() const { return std::ranges::any_of(checks_, &PlanCheck::has_groups); }
   [[nodiscard]] bool asks_groups(const PlanCheck& check) const {
     return asked_ != GroupsHeld::unasked && check.has_groups();
@@ -213,11 +263,10 @@ class DesignSearch {
     std::optional<SupportedGroupFigures> worst;
     const auto lacks = [](const SupportedGroupFigures& f) { return std::pair{f.not_held, f.in_doubt}; };
     for (std::uint32_t k = 0; k < support_->design->phases; ++k) {
-      place(scale, k);
-      const stability::SupportPlan whole = with_spot_bolts(plan_, checks_);
-      for (PlanCheck& check : checks_) {
-        if (!check.has_groups()) continue;
-        const SupportedGroupFigures now = count_supported_groups(check.groups(whole, check(whole)));
+      Placed placed{*this, scale, k};
+      for (std::size_t c = 0; c < checks_.size(); ++c) {
+        if (!checks_[c].has_groups()) continue;
+        const SupportedGroupFigures& now = placed.groups(c).figures;
         if (!worst || lacks(now) > lacks(*worst)) worst = now;
       }
     }
@@ -244,7 +293,7 @@ class DesignSearch {
     bool held = result.passes();
     if (held && asks_groups(check)) {
       const stability::GroupSupport groups = check.groups(plan, result);
-      held = holds(groups, asked_);
+      held = holds(groups_left(groups), asked_);
       if (!held && !groups.left.groups.empty()) ++missing[groups.left.groups.front().blocks.front()];
     }
     for (const stability::SupportedBlock& b : result.blocks) {
@@ -303,6 +352,7 @@ class DesignSearch {
   std::span<PlanCheck> checks_;
   stability::SupportPlan plan_;
   GroupsHeld asked_ = GroupsHeld::unasked;
+  std::map<std::pair<double, std::uint32_t>, std::vector<Found>> found_;  ///< of scale and phase
 };
 
 }  // namespace

@@ -102,15 +102,20 @@ Stress pressure_of_share(std::vector<PressureAt> blocks, double share) {
   return blocks.back().pressure;
 }
 
-std::vector<PressureFigures> pressure_diagram(std::vector<PressureAt> blocks) {
+std::vector<PressureFigures> pressure_diagram(std::vector<PressureAt> blocks, std::span<const PressureAt> walls) {
   std::erase_if(blocks, [](const PressureAt& b) { return !(b.area.si() > 0); });
   std::vector<PressureFigures> places;
   for (const std::string_view place : all_locations()) {
-    PressureFigures row{.place = std::string{place}, .area = {}, .p50 = {}, .p90 = {}, .p95 = {}, .largest = {}};
+    PressureFigures row{.place = std::string{place}};
     std::vector<PressureAt> here;
     std::ranges::copy_if(blocks, std::back_inserter(here), [&](const PressureAt& b) { return b.place == place; });
     for (const PressureAt& b : here) row.area += b.area;
-    if (here.empty()) continue;
+    for (const PressureAt& wall : walls) row.opening_area += wall.place == place ? wall.area : Area{};
+    if (here.empty() && !(row.opening_area > Area{})) continue;
+    if (here.empty()) {
+      places.push_back(std::move(row));
+      continue;
+    }
     row.p50 = pressure_of_share(here, 0.5);
     row.p90 = pressure_of_share(here, 0.9);
     row.p95 = pressure_of_share(here, 0.95);
@@ -207,14 +212,33 @@ Stress pressure_asked_at(const stability::SupportedBlock& block) { return pascal
 
 namespace {
 
-SupportFigures count_support(const RunResult& result, const stability::SupportResult& support) {
+/// Key blocks of any batch that are not below their target in place: what stands before them keeps them.
+std::uint64_t count_behind(const stability::Analysis& analysis, const stability::SupportResult& support) {
+  std::uint64_t behind = 0;
+  for (const stability::Batch& batch : analysis.batches) {
+    for (const topology::BlockId id : batch.blocks) {
+      const auto needy = std::ranges::lower_bound(support.blocks, id, {}, &stability::SupportedBlock::block);
+      behind += needy == support.blocks.end() || needy->block != id ? 1U : 0U;
+    }
+  }
+  return behind;
+}
+
+SupportFigures count_support(const RunResult& result, const stability::Analysis& analysis,
+                             const stability::SupportResult& support) {
   SupportFigures figures = scene::count_support(support);
+  figures.key_blocks_behind = count_behind(analysis, support);
   std::vector<PressureAt> blocks;
   for (const stability::SupportedBlock& b : support.blocks) {
-    const BlockPlace place = place_of(result, result.complex->complex(), b.block, {});
-    blocks.push_back({place.location, place.free_area, pressure_asked_at(b)});
+    for (const OpenPlace& place : pressed_places(result, result.complex->complex(), b)) {
+      blocks.push_back({place.location, place.free_area, pressure_asked_at(b)});
+    }
   }
-  figures.pressures = pressure_diagram(std::move(blocks));
+  std::vector<PressureAt> walls;
+  for (const OpenPlace& wall : walls_of_openings(result, result.complex->complex())) {
+    walls.push_back({wall.location, wall.free_area, {}});
+  }
+  figures.pressures = pressure_diagram(std::move(blocks), walls);
   for (const PressureFigures& row : figures.pressures) {
     figures.largest_required_pressure_pa = std::max(figures.largest_required_pressure_pa, row.p95.si());
   }
@@ -329,7 +353,7 @@ Figures count(const RunResult& result) {
   }
   figures.governing_case = governing_case(figures);
   if (result.support) {
-    figures.support = count_support(result, *result.support);
+    figures.support = count_support(result, *result.analysis, *result.support);
     figures.support->targets = target.value_or(Targets{});
   }
   const bool asked = result.stability && result.stability->groups != stability::GroupsCheck::off;
@@ -339,7 +363,9 @@ Figures count(const RunResult& result) {
   };
   if (figures.support) add_groups(*figures.support, result.group_support);
   for (const CaseSupport& load : result.support_cases) {
-    figures.support_cases.push_back({load.name, count_support(result, load.support)});
+    const auto under = std::ranges::find(result.load_cases, load.name, &CaseResult::name);
+    const stability::Analysis& analysis = under != result.load_cases.end() ? under->analysis : *result.analysis;
+    figures.support_cases.push_back({load.name, count_support(result, analysis, load.support)});
     figures.support_cases.back().figures.targets = target_under(result, load.name).value_or(Targets{});
     add_groups(figures.support_cases.back().figures, load.groups);
   }

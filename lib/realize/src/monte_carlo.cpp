@@ -148,12 +148,13 @@ std::array<Stress, stochastic::part_count> pressures_at_parts(const Scene& scene
                                                               const stability::SupportResult& support) {
   std::array<std::vector<PressureAt>, stochastic::part_count> blocks;
   for (const stability::SupportedBlock& block : support.blocks) {
-    const OpenPlace place = open_place_of(scene, complex, block.block);
-    const auto part = part_of(scene, place);
-    if (!part) continue;
     const Stress most = scene.support ? scene.support->plan.most_pressure : pressure_asked_at(block);
-    blocks.at(std::to_underlying(*part))
-        .push_back({place.location, place.free_area, std::min(most, pressure_asked_at(block))});
+    for (const OpenPlace& place : pressed_places(scene, complex, block)) {
+      const auto part = part_of(scene, place);
+      if (!part) continue;
+      blocks.at(std::to_underlying(*part))
+          .push_back({place.location, place.free_area, std::min(most, pressure_asked_at(block))});
+    }
   }
   std::array<Stress, stochastic::part_count> pressures;
   std::ranges::transform(blocks, pressures.begin(), [](const auto& here) { return pressure_of_share(here, 0.95); });

@@ -281,7 +281,7 @@ std::vector<topology::JointId> joints_of(const topology::BlockComplex& complex, 
 namespace {
 /// `excavations`: of a scene or of a result, with their tunnel and what their walls are called.
 OpenPlace open_place(const auto& excavations, geometry::North north, const topology::BlockComplex& complex,
-                     topology::BlockId block) {
+                     const auto& faces, Vec3 centroid) {
   OpenPlace place;
   struct Opening {
     double area = 0;
@@ -289,7 +289,7 @@ OpenPlace open_place(const auto& excavations, geometry::North north, const topol
   };
   std::map<std::uint32_t, Opening> openings;  // by excavation
   OpenGround ground;
-  for (const topology::FaceId id : complex.blocks()[block].faces) {
+  for (const topology::FaceId id : faces) {
     const topology::Face& face = complex.faces()[id];
     if (face.role != topology::Role::free) continue;
     place.free_area += face.area;
@@ -311,7 +311,7 @@ OpenPlace open_place(const auto& excavations, geometry::North north, const topol
     place.location = ground.name(place.location);
     return place;
   }
-  place.chainage = stochastic::chainage_of(tunnel->axis, complex.blocks()[block].centroid);
+  place.chainage = stochastic::chainage_of(tunnel->axis, centroid);
   const geometry::SectionFrame section = frame_at(*tunnel, *place.chainage);
   const Vec3 away = -widest->second.towards;
   const double across = std::hypot(dot(away, section.right), dot(away, section.up));
@@ -320,7 +320,52 @@ OpenPlace open_place(const auto& excavations, geometry::North north, const topol
   place.clock = clock_of(section, away);
   return place;
 }
+
+OpenPlace open_place(const auto& excavations, geometry::North north, const topology::BlockComplex& complex,
+                     topology::BlockId block) {
+  const topology::Block& of = complex.blocks()[block];
+  return open_place(excavations, north, complex, of.faces, of.centroid);
+}
+
+OpenPlace open_place(const auto& excavations, geometry::North north, const topology::BlockComplex& complex,
+                     topology::FaceId face) {
+  return open_place(excavations, north, complex, std::array{face}, complex.faces()[face].centroid);
+}
+
+std::vector<OpenPlace> pressed_places(const auto& excavations, geometry::North north,
+                                      const topology::BlockComplex& complex, const stability::SupportedBlock& block) {
+  std::vector<OpenPlace> places;
+  const auto add = [&](const auto& faces) {
+    for (const topology::FaceId face : faces) {
+      if (complex.faces()[face].role != topology::Role::free) continue;
+      places.push_back(open_place(excavations, north, complex, face));
+    }
+  };
+  add(block.out_of);
+  if (places.empty()) add(complex.blocks()[block.block].faces);
+  return places;
+}
 }  // namespace
+
+std::vector<OpenPlace> pressed_places(const Scene& scene, const topology::BlockComplex& complex,
+                                      const stability::SupportedBlock& block) {
+  return pressed_places(scene.excavations, geometry::North::degrees(scene.north), complex, block);
+}
+
+std::vector<OpenPlace> pressed_places(const RunResult& result, const topology::BlockComplex& complex,
+                                      const stability::SupportedBlock& block) {
+  return pressed_places(result.excavations, geometry::North::degrees(result.north), complex, block);
+}
+
+std::vector<OpenPlace> walls_of_openings(const RunResult& result, const topology::BlockComplex& complex) {
+  std::vector<OpenPlace> walls;
+  for (const topology::FaceId id : complex.faces().ids()) {
+    const topology::Face& face = complex.faces()[id];
+    if (face.role != topology::Role::free || !face.excavation) continue;
+    walls.push_back(open_place(result.excavations, geometry::North::degrees(result.north), complex, id));
+  }
+  return walls;
+}
 
 OpenPlace open_place_of(const Scene& scene, const topology::BlockComplex& complex, topology::BlockId block) {
   return open_place(scene.excavations, geometry::North::degrees(scene.north), complex, block);

@@ -10,6 +10,7 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/topology/cut.hpp"
+#include "crumbs.hpp"
 #include "cut_estimate.hpp"
 #include "cut_problem.hpp"
 #include "field_stress.hpp"
@@ -220,6 +221,11 @@ Realizer::Done Realizer::judge() {
   made_.held_from_within = stability::held_from_within(complex, with, *made_.analysis);
   if (!made_.key_groups || made_.key_groups->too_many) {
     made_.barred = stability::barred_by_lesser(complex, with, *made_.analysis);
+  }
+  made_.held_by_crumbs.reset();
+  if (scene_->micro_blocks.policy == MicroBlockPolicy::report && !near_) {
+    made_.held_by_crumbs = held_by_crumbs(complex, with, *made_.analysis, made_.key_groups,
+                                          micro_blocks(complex.complex(), scene_->micro_blocks));
   }
   hold_by_next_to_nothing(with);
   judge_load_cases();

@@ -1,6 +1,7 @@
 #include "cleave/realize/run.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <utility>
 
@@ -20,6 +21,44 @@ namespace {
 /// A part of an opening's volume below which it is rounding.
 constexpr double rounding = 1e-9;
 
+/// The part [first, second] of the way from a to b that lies in a box; empty where first > second.
+std::pair<double, double> part_in(const geometry::Box& box, geometry::Vec3 a, geometry::Vec3 b) {
+  double first = 0, second = 1;
+  const auto clip = [&](double from, double to, double low, double high) {
+    if (from == to) {
+      if (from < low || from > high) second = -1;
+      return;
+    }
+    const double at_low = (low - from) / (to - from), at_high = (high - from) / (to - from);
+    first = std::max(first, std::min(at_low, at_high));
+    second = std::min(second, std::max(at_low, at_high));
+  };
+  clip(a.x, b.x, box.min.x, box.max.x);
+  clip(a.y, b.y, box.min.y, box.max.y);
+  clip(a.z, b.z, box.min.z, box.max.z);
+  return {first, second};
+}
+
+/// Whether `outside` of an opening's `own` volume, m3, is that of the ends of its axis which go on beyond the domain,
+/// each by its width at most.
+bool ends_alone(const TunnelLine& tunnel, const geometry::Box& domain, double own, double outside) {
+  const auto across = [](const std::array<double, 2>& corner) { return corner[0]; };
+  const auto [left, right] = std::ranges::minmax_element(tunnel.outline, {}, across);
+  const double width = across(*right) - across(*left);
+  double length = 0, inside = 0, before = 0, after = 0;  // m of the axis
+  for (std::size_t i = 0; i + 1 < tunnel.axis.size(); ++i) {
+    const double leg = norm(tunnel.axis[i + 1] - tunnel.axis[i]);
+    const auto [from, to] = part_in(domain, tunnel.axis[i], tunnel.axis[i + 1]);
+    const bool meets = from < to;
+    if (inside == 0) before += (meets ? from : 1) * leg;
+    after = meets ? (1 - to) * leg : after + leg;
+    length += leg;
+    inside += meets ? (to - from) * leg : 0;
+  }
+  constexpr double slack = 1e-6;
+  return inside > 0 && before <= width && after <= width && outside <= own * (1 - inside / length + slack);
+}
+
 /// What each opening takes of the rock, in order of the scene.
 std::vector<ExcavationInfo> taken_by(const Scene& scene, const SampledScene& drawn,
                                      const std::vector<topology::ExcavatedVolume>& volumes) {
@@ -33,6 +72,8 @@ std::vector<ExcavationInfo> taken_by(const Scene& scene, const SampledScene& dra
     if (!excavation.own_shape() || !(own > 0)) continue;
     const double outside = 1 - volumes[e].inside.si() / own;
     info.outside_share = outside > rounding ? outside : 0;
+    info.ends_only_outside =
+        info.tunnel && ends_alone(*info.tunnel, box_of(drawn.input.domain.vertices()), own, outside * own);
   }
   return excavations;
 }

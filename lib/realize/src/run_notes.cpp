@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "crumbs.hpp"
 #include "cut_notes.hpp"
 #include "group_notes.hpp"
 
@@ -285,6 +286,25 @@ void add_anchor_note(const stability::SupportResult& support, std::vector<std::s
       count, count == 1 ? "block" : "blocks", support.held_by_border.front().value(), count > 1 ? ", ..." : ""));
 }
 
+/// Bolts that grip where nothing is known of the rock.
+void add_outside_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
+  std::size_t count = 0;
+  double outside = 0, most = 0;
+  for (const stability::BoltResult& bolt : support.bolts) {
+    if (!(bolt.outside > Length{})) continue;
+    ++count;
+    outside += bolt.outside.si();
+    most = std::max(most, bolt.outside.si());
+  }
+  if (count == 0) return;
+  notes.push_back(fmt::format(
+      "{} of {} bolts {} the domain through a side that is not free: {:.3g} m of {}{} lie outside and grip as rock "
+      "that goes on there would; where air or an opening is there instead, enlarge the domain; see outside_m in "
+      "bolts.csv",
+      count, support.bolts.size(), count == 1 ? "leaves" : "leave", outside, count == 1 ? "it" : "them",
+      count == 1 ? "" : fmt::format(", up to {:.3g} m of one,", most)));
+}
+
 /// Bolts that are not in the rock at all.
 void add_off_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
   const auto off =
@@ -375,6 +395,17 @@ void add_barred_note(const std::vector<stability::Barred>& barred, bool too_many
       too_many ? "too many blocks are near free faces to be judged together" : "see `groups`"));
 }
 
+namespace {
+/// What stays in place by something that may not be counted on.
+void add_held_notes(const Realization& made, std::vector<std::string>& notes) {
+  add_enclosed_notes(made.held_from_within, notes);
+  add_barred_note(made.barred, made.key_groups && made.key_groups->too_many, notes);
+  add_crumb_notes(made.held_by_crumbs, notes);
+  add_taper_notes(made, notes);
+  add_border_notes(made, notes);
+}
+}  // namespace
+
 std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   const std::optional<stability::Analysis>& analysis = made.analysis;
   const std::optional<FieldStressResult>& clamped = made.field_stress;
@@ -404,13 +435,11 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   }
   if (analysis) add_cohesion_note(*analysis, notes);
   if (analysis) add_rotation_note(*analysis, notes);
-  add_enclosed_notes(made.held_from_within, notes);
-  add_barred_note(made.barred, made.key_groups && made.key_groups->too_many, notes);
-  add_taper_notes(made, notes);
-  add_border_notes(made, notes);
+  add_held_notes(made, notes);
   if (analysis && made.complex) add_lifted_notes(scene, made, notes);
   if (analysis && made.complex) add_case_notes(scene, made, notes);
   if (made.support) add_anchor_note(*made.support, notes);
+  if (made.support) add_outside_note(*made.support, notes);
   // Beyond what was cut on demand rock is not known.
   if (made.support && !made.window) add_off_note(*made.support, notes);
   if (made.support && scene.stability->groups == stability::GroupsCheck::off) {

@@ -20,10 +20,12 @@ namespace {
 
 std::string pressure_table(const std::vector<scene::PressureFigures>& pressures) {
   if (pressures.empty()) return {};
-  return "<p class=\"small\">Support pressure by place, as shares of the free faces of single blocks below their "
-         "target. Groups of blocks are not in it.</p>\n" +
+  return "<p class=\"small\">Support pressure by place, as shares of the loaded faces: those through which single "
+         "blocks "
+         "below their target come out. Groups of blocks are not in it.</p>\n" +
          html_table({{"place"},
-                     {"area_m2", {}, 3},
+                     {"opening_area_m2", "Walls (m2)", 3},
+                     {"area_m2", "Loaded (m2)", 3},
                      {"p50_pa", "Half (kPa)", 3},
                      {"p90_pa", "90 % (kPa)", 3},
                      {"p95_pa", "95 % (kPa)", 3},
@@ -142,16 +144,22 @@ std::string support_verdict(const scene::SupportFigures& support, const std::vec
 std::string support_section(const Page& page) {
   if (!page.result.support || !page.figures().support) return {};
   const scene::SupportFigures& f = *page.figures().support;
-  std::string out =
-      "<section id=\"support\"><h2>Support</h2>\n<p>" + support_verdict(f, page.figures().support_cases) + " " +
-      display_count(f.blocks) + " blocks need support by themselves: " + display_count(f.held_by_bolts) +
-      " held by bolts, " + display_count(f.held_by_shotcrete) + " by shotcrete, " + display_count(f.held_by_both) +
-      " by both together, " + display_count(f.not_held) + " not held. " + display_count(f.bolts) + " bolts (" +
-      display_count(f.spot_bolts) + " spot bolts): " + display_count(f.bolts_used) + " that no other can replace, " +
-      (f.groups ? display_count(f.bolts_of_groups) + " more pull at groups of blocks, " : "") +
-      display_count(f.bolts_redundant) + " redundant, " + display_count(f.bolts_too_short) + " too short. " +
-      display_count(f.combined) + " bodies stitched together by bolts, " + display_count(f.combined_failing) +
-      " of them below their target.";
+  std::string out = "<section id=\"support\"><h2>Support</h2>\n<p>" + support_verdict(f, page.figures().support_cases) +
+                    " " + display_count(f.blocks) +
+                    (f.blocks == 1 ? " block needs support by itself: " : " blocks need support by themselves: ") +
+                    display_count(f.held_by_bolts) + " held by bolts, " + display_count(f.held_by_shotcrete) +
+                    " by shotcrete, " + display_count(f.held_by_both) + " by both together, " +
+                    display_count(f.not_held) + " not held. " + display_count(f.bolts) + " bolts (" +
+                    display_count(f.spot_bolts) + " spot bolts): " + display_count(f.bolts_used) +
+                    " that no other can replace, " +
+                    (f.groups ? display_count(f.bolts_of_groups) + " more pull at groups of blocks, " : "") +
+                    display_count(f.bolts_redundant) + " redundant, " + display_count(f.bolts_too_short) +
+                    " too short. " + display_count(f.combined) + " bodies stitched together by bolts, " +
+                    display_count(f.combined_failing) + " of them below their target.";
+  if (f.key_blocks_behind > 0) {
+    out += " " + display_count(f.key_blocks_behind) +
+           " more key blocks lie behind: they leave only after others have left, and stay where those are held.";
+  }
   if (page.result.tunnel_length) {
     out += " Required force: " + display(f.required_force_n / page.result.tunnel_length->si() / 1000, 3) +
            " kN per metre of tunnel, for blocks by themselves.";

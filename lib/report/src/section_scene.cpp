@@ -121,14 +121,18 @@ std::expected<std::vector<std::string>, WriteError> write_sections(const scene::
       continue;
     }
     CLEAVE_CHECK(write_file(folder / file, scene_of(result, spec, section)));
-    notes.push_back(file + ": " + std::to_string(section.polygons.size()) + " bodies, " + number(section.area) + " m2");
+    notes.push_back(file + ": " + std::to_string(section.polygons.size()) +
+                    (section.polygons.size() == 1 ? " body, " : " bodies, ") + number(section.area) + " m2");
     if (section.parted > 0) {
-      notes.push_back(file + ": " + std::to_string(section.parted) +
-                      " blocks are rings there and were cut into parts; the cuts have the joint \"intact\"");
+      notes.push_back(file + ": " +
+                      (section.parted == 1 ? "1 block is a ring there and was"
+                                           : std::to_string(section.parted) + " blocks are rings there and were") +
+                      " cut into parts; the cuts have the joint \"intact\"");
     }
     if (section.left_out > 0) {
-      notes.push_back(file + ": " + std::to_string(section.left_out) + " slivers were left out, " +
-                      number(section.left_out_area) + " m2");
+      notes.push_back(file + ": " +
+                      (section.left_out == 1 ? "1 sliver was" : std::to_string(section.left_out) + " slivers were") +
+                      " left out, " + number(section.left_out_area) + " m2");
     }
   }
   return notes;

@@ -259,6 +259,8 @@ void fields(V& v, const BoltRow& x) {
     "largest in `[motion]`, in any step; empty where it ties nothing that is let go to other rock");
   v("motion_lengthened_m", when(x.motion != nullptr, moved.lengthened), "there, for good");
   v("motion_broken_s", moved.broken_at, "when it broke there");
+  v("outside_m", x.b.outside.si(),
+    "of its length beyond a side of the domain that is not free; rock is taken to go on there, and to grip it");
 }
 
 struct SupportBlockRow {

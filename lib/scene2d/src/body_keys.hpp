@@ -58,6 +58,7 @@ struct RockDefaults {
   std::optional<double> young, poisson;
   double density = 2700;
   bool young_given = false, poisson_given = false;  ///< rightly or wrongly (then reported there)
+  bool of_rock = true;                              ///< sizes unlike those of rock are noted
 };
 /// With a note on a density that is unusual by `density`.
 [[nodiscard]] RockDefaults parse_rock_defaults(const TableReader& root, const NumberRule& density = body_density_rule);

@@ -21,7 +21,7 @@ using std::string_view;
 constexpr NumberRule dilation_rule{0, false, 60, false, " degrees"};
 constexpr NumberRule water_rule = rule::stress.usually(1e3, 1e8);
 constexpr NumberRule joint_stiffness_rule = NumberRule{0, true, 1e18, false, " Pa/m"}.usually(1e7, 1e13);
-// Sizes of rock that moves by its weight: elastic bodies by themselves may be of any.
+// Sizes of rock that moves by its weight: an elastic body by itself may be of any.
 constexpr NumberRule rock_density_rule = body_density_rule.usually(rule::density.usual->low, rule::density.usual->high);
 constexpr NumberRule side_pressure_rule = pressure_rule.usually(1e3, 1e9);
 constexpr std::array<string_view, 1> fixed_word{"fixed"};
@@ -145,7 +145,7 @@ std::vector<std::size_t> sides_of(const TableReader& table, const ContactOutline
   return out;
 }
 
-void parse_loads(const TableReader& body, const ContactOutline& outline, ContactBody& spec) {
+void parse_loads(const TableReader& body, const ContactOutline& outline, bool of_rock, ContactBody& spec) {
   const std::vector<TableReader> found = body.each("load");
   for (const TableReader& table : found) {
     const TomlEntry* kind = table.one_of();
@@ -157,7 +157,9 @@ void parse_loads(const TableReader& body, const ContactOutline& outline, Contact
                     point ? "a force acts at a point: remove this key" : "it acts on whole sides: remove this key");
       }
     }
-    for (const string_view key : {"pressure", "traction"}) table.note_unusual(key, side_pressure_rule);
+    for (const string_view key : {"pressure", "traction"}) {
+      if (of_rock) table.note_unusual(key, side_pressure_rule);
+    }
     ContactLoad load;
     load.line = table.line();
     load.time = parse_time_function(table, load.follows);
@@ -265,6 +267,17 @@ Repeat parse_repeat(const TableReader& body) {
   return out;
 }
 
+/// One body, and gravity = 0: what it is of and what acts on it may have any size.
+bool alone_without_weight(const TableReader& root, const std::vector<TableReader>& bodies) {
+  const TomlTable* contact = root.table("contact");
+  if (contact == nullptr || bodies.size() != 1 || bodies.front().has("repeat")) return false;
+  const auto gravity = std::ranges::find(contact->entries, "gravity", &TomlEntry::key);
+  if (gravity == contact->entries.end()) return false;
+  const auto* whole = std::get_if<std::int64_t>(&gravity->node.value);
+  const auto* number = std::get_if<double>(&gravity->node.value);
+  return (whole != nullptr && *whole == 0) || (number != nullptr && *number == 0);
+}
+
 void parse_body(const TableReader& body, const RockDefaults& defaults, const JointNames& joints,
                 std::vector<ContactBody>& bodies, std::map<std::string, std::uint32_t>& names) {
   ContactBody spec;
@@ -280,13 +293,13 @@ void parse_body(const TableReader& body, const RockDefaults& defaults, const Joi
   if (!spec.fixed && !(spec.density > 0)) {
     body.error("density", "a body that moves needs a mass: its density is 0", "give kg/m3, say 2700, or fixed = true");
   }
-  body.note_unusual("density", rock_density_rule);
+  if (defaults.of_rock) body.note_unusual("density", rock_density_rule);
   const ContactOutline outline = parse_contact_outline(body);
   spec.corners = outline.corners;
   parse_side_joints(body, outline, joints, spec);
   parse_supports(body, outline, spec);
   parse_support_motion(body, spec);
-  parse_loads(body, outline, spec);
+  parse_loads(body, outline, defaults.of_rock, spec);
   spec.velocity = pair(body, "velocity").value_or(Vec2{});
   spec.spin = body.number("angular_velocity").value_or(0);
   for (const string_view key : {"velocity", "angular_velocity", "load"}) {
@@ -454,10 +467,12 @@ std::expected<ContactScene, std::vector<Problem>> parse_contact(string_view text
   ContactScene scene;
   parse_plane_head(root, text, shown, scene);
   for (const TomlEntry& entry : tree->entries) scene.given.push_back(entry.key);
-  const RockDefaults defaults = parse_rock_defaults(root, rock_density_rule);
+  const std::vector<TableReader> bodies = root.each("body");
+  const bool of_rock = !alone_without_weight(root, bodies);
+  RockDefaults defaults = parse_rock_defaults(root, of_rock ? rock_density_rule : body_density_rule);
+  defaults.of_rock = of_rock;
   scene.joints = parse_strengths(root);
   const JointNames joints{scene.joints};
-  const std::vector<TableReader> bodies = root.each("body");
   std::map<std::string, std::uint32_t> names;
   for (const TableReader& body : bodies) parse_body(body, defaults, joints, scene.bodies, names);
   if (bodies.empty()) problems.error(1, "body", "there is no body", "write at least one [[body]]");

@@ -248,10 +248,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
     if (!world) {
       return std::vector{Problem{scene.shown, 1, "contact", describe(world.error()), "change the bodies it names"}};
     }
-    if (result.elastic && prepared->operators < scene.bodies.size()) {
-      result.notes.push_back(fmt::format("{} elastic {} of {} bodies: those alike share one", prepared->operators,
-                                         prepared->operators == 1 ? "operator" : "operators", scene.bodies.size()));
-    }
+    result.operators = prepared->operators;
     note_of_swing(scene, *world, result);
     Recorder recorder{scene, *prepared, *world, result};
     Running running{.scene = scene,

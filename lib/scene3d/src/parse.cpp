@@ -214,6 +214,15 @@ bool is_scene(const TomlTable& tree, const std::string& shown, Problems& problem
     problems.error(1, "scene", "is a survey file, not a scene", "run cleave survey " + shown + " -o FOLDER");
     return false;
   }
+  constexpr std::array<string_view, 2> of_sets{"joint_set", "joints"};
+  const auto is_of_sets = [&](const TomlEntry& entry) {
+    return std::ranges::find(of_sets, entry.key) != of_sets.end();
+  };
+  if (!tree.entries.empty() && std::ranges::all_of(tree.entries, is_of_sets)) {
+    problems.error(1, "scene", "has joint sets alone: it is a part of scenes, not one",
+                   fmt::format("write a scene with [domain] and include = [\"{}\"]", file_name_of(shown)));
+    return false;
+  }
   if (tree.entries.empty()) {
     problems.error(1, "domain", "the file is empty", "start from a scene that cleave init prints: cleave init tunnel");
     return false;

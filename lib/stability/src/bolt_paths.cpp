@@ -146,6 +146,7 @@ BoltPath BoltPaths::along(const Bolt& bolt, FaceId start, bool& clear) const {
     if (!through || exit >= bolt.length.si() || through->role == topology::Role::fixed) {
       // Rock beyond a fixed side goes on and never moves.
       pierced.push_back({block, t, bolt.length.si()});
+      if (through && exit < bolt.length.si()) path.outside = bolt.length.si() - std::max(exit, t);
       break;
     }
     if (through->role == topology::Role::window) {

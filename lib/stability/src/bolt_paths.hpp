@@ -13,6 +13,7 @@ struct BoltPath {
   std::vector<Pierced> pierced;  ///< a bolt that comes out into the air ends there; empty when no free face lies at the
                                  ///< collar with the rock in front of the bolt
   bool leaves_window = false;    ///< goes on where nothing was cut
+  double outside = 0;            ///< m beyond a side of the domain that is not free
 };
 
 /// Follows bolts from block to block.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -129,51 +130,92 @@ double keyed_perimeter(const topology::BlockComplex& complex, topology::BlockId 
   return perimeter;
 }
 
-std::vector<Bolt> spot_places(const topology::BlockComplex& complex, topology::BlockId block,
-                              std::span<const Vec3> wanted, Vec3 motion, const SpotBolts& spot) {
-  std::optional<Face> largest;
-  for (const FaceId face_id : complex.blocks()[block].faces) {
-    const Face& face = complex.faces()[face_id];
-    if (face.role != topology::Role::free) continue;
-    if (!largest || face.area > largest->area) largest = face;
+namespace {
+
+/// A free face that spot bolts may go into.
+struct SpotFace {
+  Face face;
+  Vec3 direction;  ///< of the bolts
+  std::vector<Vec3> collars = {};
+};
+
+/// Van der Corput's sequence.
+double halton(std::uint32_t i, std::uint32_t base) {
+  double f = 1, r = 0;
+  for (; i > 0; i /= base) {
+    f /= base;
+    r += f * (i % base);
   }
-  if (!largest) return {};
-  Vec3 direction = -largest->outward;
-  for (const Vec3 better : wanted) {
-    if (dot(better, largest->outward) < -0.3) {
-      direction = better;
-      break;
-    }
-  }
-  if (dot(direction, motion) >= 0) return {};
-  const Vec3 u = geometry::normalized(std::abs(largest->outward.z) < 0.9 ? cross(largest->outward, {0, 0, 1})
-                                                                         : cross(largest->outward, {1, 0, 0}));
-  const Vec3 v = cross(largest->outward, u);
+  return r;
+}
+
+/// Spread over the face, its centroid first.
+std::vector<Vec3> collars_on(const topology::BlockComplex& complex, const Face& face) {
+  const Vec3 u = geometry::normalized(std::abs(face.outward.z) < 0.9 ? cross(face.outward, {0, 0, 1})
+                                                                     : cross(face.outward, {1, 0, 0}));
+  const Vec3 v = cross(face.outward, u);
   double u0 = infinite, u1 = -infinite, v0 = infinite, v1 = -infinite;
-  for (const auto& loop : complex.loops(*largest)) {
+  for (const auto& loop : complex.loops(face)) {
     for (const topology::VertexId vertex : loop) {
-      const Vec3 x = complex.position(vertex) - largest->centroid;
+      const Vec3 x = complex.position(vertex) - face.centroid;
       u0 = std::min(u0, dot(x, u));
       u1 = std::max(u1, dot(x, u));
       v0 = std::min(v0, dot(x, v));
       v1 = std::max(v1, dot(x, v));
     }
   }
-  const auto halton = [](std::uint32_t i, std::uint32_t base) {
-    double f = 1, r = 0;
-    for (; i > 0; i /= base) {
-      f /= base;
-      r += f * (i % base);
-    }
-    return r;
-  };
-  std::vector<Bolt> places;
+  std::vector<Vec3> collars;
   for (std::uint32_t i = 0; i < 400; ++i) {
-    const Vec3 x = i == 0
-                       ? largest->centroid
-                       : largest->centroid + (u0 + halton(i, 2) * (u1 - u0)) * u + (v0 + halton(i, 3) * (v1 - v0)) * v;
-    if (!contains(complex, *largest, x)) continue;
-    places.push_back({.collar = x, .direction = direction, .length = spot.length, .type = spot.type});
+    const Vec3 x = i == 0 ? face.centroid
+                          : face.centroid + (u0 + halton(i, 2) * (u1 - u0)) * u + (v0 + halton(i, 3) * (v1 - v0)) * v;
+    if (contains(complex, face, x)) collars.push_back(x);
+  }
+  return collars;
+}
+
+/// Those from which bolts would hold the block: on walls of excavations, where it has such, else its largest.
+std::vector<SpotFace> spot_faces(const topology::BlockComplex& complex, topology::BlockId block,
+                                 std::span<const Vec3> wanted, Vec3 motion) {
+  std::vector<SpotFace> walls;
+  std::optional<SpotFace> largest;
+  for (const FaceId face_id : complex.blocks()[block].faces) {
+    const Face& face = complex.faces()[face_id];
+    if (face.role != topology::Role::free) continue;
+    Vec3 direction = -face.outward;
+    for (const Vec3 better : wanted) {
+      if (!(dot(better, face.outward) < -0.3)) continue;
+      direction = better;
+      break;
+    }
+    const bool holds = dot(direction, motion) < 0;
+    if (holds && face.excavation) walls.push_back({face, direction});
+    if (!largest || face.area > largest->face.area) largest = SpotFace{face, direction};
+  }
+  if (walls.empty() && largest && dot(largest->direction, motion) < 0) walls.push_back(*largest);
+  std::ranges::stable_sort(walls, std::ranges::greater{}, [](const SpotFace& f) { return f.face.area; });
+  for (SpotFace& wall : walls) wall.collars = collars_on(complex, wall.face);
+  return walls;
+}
+
+}  // namespace
+
+std::vector<Bolt> spot_places(const topology::BlockComplex& complex, topology::BlockId block,
+                              std::span<const Vec3> wanted, Vec3 motion, const SpotBolts& spot) {
+  const std::vector<SpotFace> faces = spot_faces(complex, block, wanted, motion);
+  std::vector<std::size_t> taken(faces.size(), 0);
+  std::vector<Bolt> places;
+  while (places.size() < 400) {
+    // The face with most area for each bolt that it would have then.
+    std::optional<std::size_t> next;
+    const auto area_each = [&](std::size_t k) { return faces[k].face.area.si() / static_cast<double>(taken[k] + 1); };
+    for (std::size_t k = 0; k < faces.size(); ++k) {
+      if (taken[k] < faces[k].collars.size() && (!next || area_each(k) > area_each(*next))) next = k;
+    }
+    if (!next) break;
+    places.push_back({.collar = faces[*next].collars[taken[*next]++],
+                      .direction = faces[*next].direction,
+                      .length = spot.length,
+                      .type = spot.type});
   }
   return places;
 }

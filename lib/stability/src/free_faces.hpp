@@ -60,9 +60,10 @@ struct KeyedEdge {
                                      const std::function<bool(topology::BlockId)>& loose,
                                      const std::function<bool(topology::BlockId)>& gone);
 
-/// Where spot bolts of a block may go, best places first: spread over its largest free face from the centroid on, all
-/// in the first of the `wanted` directions that goes into the rock, else straight in. Empty when none would hold
-/// against `motion`.
+/// Where spot bolts of a block may go, best places first: on its faces on walls of excavations, from where they are
+/// drilled, as many in each as its share of their area; where it has none that bolts would hold from, on its largest
+/// free face. On each they are spread from the centroid on, all in the first of the `wanted` directions that goes into
+/// the rock, else straight in. Empty when none would hold against `motion`.
 [[nodiscard]] std::vector<Bolt> spot_places(const topology::BlockComplex& complex, topology::BlockId block,
                                             std::span<const geometry::Vec3> wanted, geometry::Vec3 motion,
                                             const SpotBolts& spot);

@@ -146,6 +146,7 @@ class Check final {
         if (!is_open(*complex_, face, gone_)) continue;
         entry.free_area += face.area;
         outward += face.area.si() * face.outward;
+        if (moves_out_of(face, body->bare.direction)) entry.out_of.push_back(face_id);
       }
       entry.small = entry.free_area < plan_->spot_area;
       if (norm(outward) > 1e-9 * entry.free_area.si()) entry.free_outward = outward / norm(outward);
@@ -175,11 +176,14 @@ class Check final {
 
   void add_bolt(const Bolt& bolt, bool spot) {
     const BoltPath path = paths_.path(bolt);
-    BoltResult entry{.bolt = bolt, .spot = spot, .pierced = path.pierced};
+    BoltResult entry{.bolt = bolt, .spot = spot, .pierced = path.pierced, .outside = metres(path.outside)};
     // Its head is on what is left after scaling.
     const auto left = std::ranges::find_if_not(entry.pierced, [&](const Pierced& p) { return gone_(p.block); });
     entry.pierced.erase(entry.pierced.begin(), left);
-    if (entry.pierced.empty()) entry.status = BoltStatus::off;
+    if (entry.pierced.empty()) {
+      entry.status = BoltStatus::off;
+      entry.outside = {};
+    }
     note_truncated(path);
     for (const Pierced& p : entry.pierced) note_border(p.block);
     const auto number = static_cast<std::uint32_t>(result_.bolts.size());

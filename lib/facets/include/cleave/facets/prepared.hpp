@@ -55,7 +55,7 @@ struct Facet {
   Index first_corner, corner_count;  ///< into Prepared::corners; none for half-space solids
   Vec lo, hi;                        ///< bounding box in units of 2^48 sites, grown so that it is safe
   Index sheet = none;  ///< of a piece of a folded polygon: the facet plane that stands for all its pieces (folds.hpp)
-  bool rim_shared = false;  ///< each side of its polygon is another polygon's too
+  bool rim_shared = false;  ///< each side of its polygon in the domain is another polygon's too, and some are
 };
 
 /// Corners that planes are known to hold, by number: what is drawn from common corners meets in them, and that needs no

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -370,21 +371,26 @@ void fields(V& v, const DesignResult& x) {
   supported_groups_field(v, x.groups);
 }
 
-/// Support pressure at one part of the openings: how the free faces of the blocks below their target share it.
+/// Support pressure at one part of the openings: how the faces that the blocks below their target come out through
+/// share it.
 struct PressureFigures {
   std::string place;
-  Area area;
-  Stress p50, p90, p95, largest;
+  Area area = {};
+  Stress p50 = {}, p90 = {}, p95 = {}, largest = {};
+  Area opening_area = {};
 };
 template <class V>
 void fields(V& v, const PressureFigures& x) {
   v("place", x.place, "roof, left wall, right wall, floor (looking along the tunnel), face elsewhere");
-  v("area_m2", x.area, "free faces of the blocks below their target there");
-  v("p50_pa", or_null(x.p50.si()), "half of that area needs no more; null: no pressure is enough");
+  v("area_m2", x.area,
+    "faces there that blocks below their target come out through, each face at its own place; the shares are of this "
+    "area; 0: nothing loads the place, and its pressures are 0");
+  v("p50_pa", or_null(x.p50.si()), "half of `area_m2` needs no more; null: no pressure is enough");
   v("p90_pa", or_null(x.p90.si()));
   v("p95_pa", or_null(x.p95.si()));
   v("largest_pa", or_null(x.largest.si()), "of the neediest block, however small its face");
   v("reason", when(!std::isfinite(x.largest.si()), "no pressure is enough for a block there"));
+  v("opening_area_m2", x.opening_area, "all walls of excavations there, loaded or not; 0 on the ground");
 }
 
 /// Whether groups of blocks were judged with the support.
@@ -402,6 +408,7 @@ struct SupportFigures {
     return block_by_block && groups_judged != GroupsJudged::too_many && (!groups || groups->all_held());
   }
   std::uint64_t blocks = 0, held_by_bolts = 0, held_by_shotcrete = 0, held_by_both = 0, not_held = 0;
+  std::uint64_t key_blocks_behind = 0;  ///< not among these
   std::uint64_t bolts = 0, spot_bolts = 0, bolts_used = 0, bolts_of_groups = 0, bolts_redundant = 0,
                 bolts_too_short = 0;
   std::uint64_t combined = 0, combined_failing = 0;
@@ -472,6 +479,8 @@ void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_
     when(x.failing_stages.has_value(), x.passes() && x.failing_stages && x.failing_stages->empty()),
     "so it is when all is excavated and after each stage, with what is installed by then");
   v("blocks", x.blocks, "blocks that by themselves are below their target without support");
+  v("key_blocks_behind", x.key_blocks_behind,
+    "beside them: key blocks that leave only after others have left, and so stay where those are held");
   v("held_by_bolts", x.held_by_bolts);
   v("held_by_shotcrete", x.held_by_shotcrete);
   v("held_by_both", x.held_by_both, "neither bolts nor shotcrete alone, both together");
@@ -492,11 +501,11 @@ void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_
     when(tunnel_length.has_value(), or_null(x.required_force_n / tunnel_length.value_or(metres(1)).si())),
     "of tunnel in the rock");
   v("largest_required_pressure_pa", or_null(x.largest_required_pressure_pa),
-    "that 95 % of the free faces below their target need at the neediest place of `pressures`; null: none is enough");
+    "that 95 % of `area_m2` need at the neediest place of `pressures`; null: none is enough");
   v("largest_required_pressure_reason",
     when(!std::isfinite(x.largest_required_pressure_pa), "no pressure is enough at the neediest place"));
   v("pressures", when_any(x.pressures),
-    "pressure diagram of single blocks: by place, as percentiles of area; groups are not in it");
+    "pressure diagram of single blocks: by place, as percentiles of `area_m2`; groups are not in it");
   v("small_blocks", x.small_blocks, "with less free face than spot_area");
   v("small_not_held", x.small_not_held);
   v("small_required_force_n", or_null(x.small_required_force_n), "null: none is enough");
@@ -577,7 +586,9 @@ struct PressureAt {
 };
 /// What a block asks of a lining, which presses on those that pass to it, too.
 [[nodiscard]] Stress pressure_asked_at(const stability::SupportedBlock& block);
-[[nodiscard]] std::vector<PressureFigures> pressure_diagram(std::vector<PressureAt> blocks);
+/// `walls`: areas of openings; a place with walls has a row where nothing loads it, too.
+[[nodiscard]] std::vector<PressureFigures> pressure_diagram(std::vector<PressureAt> blocks,
+                                                            std::span<const PressureAt> walls = {});
 /// Pressure that this share of the blocks' area needs no more than; zero without area.
 [[nodiscard]] Stress pressure_of_share(std::vector<PressureAt> blocks, double share);
 /// Without the pressures, for which `count` needs the whole result.

@@ -25,6 +25,14 @@ struct OpenPlace {
 };
 [[nodiscard]] OpenPlace open_place_of(const Scene& scene, const topology::BlockComplex& complex,
                                       topology::BlockId block);
+/// Each free face that a block comes out through, by itself; of a block that comes out through none, each that it has.
+[[nodiscard]] std::vector<OpenPlace> pressed_places(const Scene& scene, const topology::BlockComplex& complex,
+                                                    const stability::SupportedBlock& block);
+[[nodiscard]] std::vector<OpenPlace> pressed_places(const RunResult& result, const topology::BlockComplex& complex,
+                                                    const stability::SupportedBlock& block);
+/// Each face on a wall of an excavation, by itself.
+[[nodiscard]] std::vector<OpenPlace> walls_of_openings(const RunResult& result, const topology::BlockComplex& complex);
+
 /// Roof, walls and floor of tunnels and shafts; all other faces are one part. Empty where no face is free.
 [[nodiscard]] std::optional<stochastic::Part> part_of(const OpenPlace& place);
 

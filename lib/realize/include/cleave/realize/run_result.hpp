@@ -248,6 +248,21 @@ struct ExcavationInfo {
   /// Of its own volume, what lies outside the domain; empty for cuts from above, which are made to reach beyond it.
   std::optional<double> outside_share = {};
   std::string_view wall = "face";  ///< what its walls are called: "face", "slope" or "bench"
+  /// What lies outside is no more than the ends of its axis, each by its width at most: made to come out there.
+  bool ends_only_outside = false;
+};
+
+/// What micro-blocks hold.
+struct HeldByCrumbs {
+  std::uint64_t crumbs = 0;
+  Volume volume_of_crumbs = {};
+  std::uint64_t blocks = 0;  ///< that move by themselves where these are left out, and not otherwise
+  Volume volume = {};
+  double least_factor = std::numeric_limits<double>::infinity();
+  std::optional<topology::BlockId> least = {};  ///< of these, the one with that factor
+  std::uint64_t groups = 0;                     ///< key groups that have some among them or right beside them
+  double least_of_groups = std::numeric_limits<double>::infinity();
+  double alone_without = std::numeric_limits<double>::infinity();  ///< least of their blocks where crumbs are left out
 };
 
 /// Joint faces of a block on one plane.
@@ -402,6 +417,7 @@ struct Realization : SampledScene {
   std::optional<stability::FactorTogether> group_factor = {};  ///< where the scene asks for it
   std::vector<std::optional<LetGo>> let_go = {};  ///< of `key_groups`, those in doubt; empty: none was asked
   std::vector<stability::InterlockedByInclusion> held_from_within = {};
+  std::optional<HeldByCrumbs> held_by_crumbs = {};        ///< where micro-blocks are counted, not left out
   std::vector<stability::Barred> barred = {};             ///< where blocks were not judged together
   std::vector<stability::Barred> tapered = {};            ///< held by next to nothing, those of key groups too
   std::optional<stability::DomainHeld> domain_held = {};  ///< of the base case, with `analysis`

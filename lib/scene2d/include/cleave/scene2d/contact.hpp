@@ -285,6 +285,7 @@ struct ContactResult : Scene2dResult {
   double end_time = 0;
   double largest_penetration = 0;
   bool elastic = false;
+  std::size_t operators = 0;  ///< elastic ones that were built: bodies alike share one
   bool to_rest = false;
   double drift_momentum = 0, drift_angular = 0;  ///< relative, see docs/contact.md
   /// Of the places of all corners at the end, relative to the largest displacement, from runs with steps up to 6.5

@@ -143,6 +143,7 @@ struct BoltResult {
   Bolt bolt;
   bool spot = false;
   std::vector<Pierced> pierced = {};
+  Length outside = {};  ///< of that in the last block, beyond a side of the domain that is not free: rock, as it grips
   BoltStatus status = BoltStatus::no_block;
   std::optional<topology::BlockId> serves = {};  ///< the block that needs most of it; of a group's bolt one it pulls at
   BoltLimit limit = BoltLimit::tendon;
@@ -200,7 +201,8 @@ struct SupportedBlock {
   Held held = Held::not_held;
   std::uint32_t bolts = 0;  ///< that act on it
   Area free_area = {};
-  bool small = false;                      ///< below the plan's `spot_area`
+  bool small = false;                         ///< below the plan's `spot_area`
+  std::vector<topology::FaceId> out_of = {};  ///< its open faces that it comes out through: a pressure acts on these
   geometry::Vec3 free_outward = {};        ///< mean of its free faces' outward normals by area; zero when they cancel
   double required_force = 0;               ///< N: least single force that reaches the target without other support
   geometry::Vec3 required_direction = {};  ///< unit, of that force
