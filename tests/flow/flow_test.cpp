@@ -12,85 +12,13 @@
 
 #include "cleave/flow/flow.hpp"
 #include "cleave/geometry/tunnel.hpp"
-#include "complexes.hpp"
+#include "water.hpp"
 #include "workloads.hpp"
 
 // Steady flow in networks of joints: closed forms, published capacitances, and that the bounds hold.
 
 namespace cleave::testing {
 namespace {
-
-using flow::Closed;
-using flow::Drained;
-using flow::Flow;
-using flow::FlowStatus;
-using flow::Standing;
-
-/// Sides of make_box by their tags.
-enum Tag : std::uint32_t { west, east, south, north, bottom, top };
-
-Standing at(double level) { return {metres(level)}; }
-
-struct Water {
-  std::map<std::uint32_t, flow::Surface> sides = {};  ///< by tag; others are closed
-  flow::Surface excavation = Drained{};
-  std::vector<double> transmissivity = {};  ///< of joints by number; 1e-6 m2/s where there is none
-};
-
-struct Built {
-  flow::Network network;
-  flow::JointSurfaces surfaces;
-  topology::BlockComplex complex;
-
-  [[nodiscard]] std::size_t of_tag(std::uint32_t tag) const {
-    for (std::size_t s = 0; s < surfaces.surfaces.size(); ++s) {
-      if (surfaces.surfaces[s].tag == tag) return s;
-    }
-    throw std::runtime_error{"no joint reaches that side"};
-  }
-  [[nodiscard]] std::size_t of_excavation(std::uint32_t excavation) const {
-    for (std::size_t s = 0; s < surfaces.surfaces.size(); ++s) {
-      if (surfaces.surfaces[s].excavation == excavation) return s;
-    }
-    throw std::runtime_error{"no joint reaches that excavation"};
-  }
-};
-
-Built build(topology::CutInput input, const Water& water) {
-  input.keep_network = true;
-  auto complex = certified(input).complex();
-  const double up = complex.origin().z;
-  flow::JointSurfaces surfaces = flow::surfaces_of(*complex.network());
-  flow::NetworkSpec spec{.mesh = flow::mesh_of(complex, surfaces)};
-  for (const auto& piece : complex.network()->pieces) {
-    double sum = 0;
-    for (const auto joint : piece.joints) {
-      sum += joint.index() < water.transmissivity.size() ? water.transmissivity[joint.index()] : 1e-6;
-    }
-    spec.transmissivity.push_back(Transmissivity::from_si(sum));
-  }
-  for (const auto& surface : surfaces.surfaces) {
-    const auto given = surface.tag ? water.sides.find(*surface.tag) : water.sides.end();
-    flow::Surface condition = surface.excavation           ? water.excavation
-                              : given != water.sides.end() ? given->second
-                                                           : flow::Surface{Closed{}};
-    if (auto* standing = std::get_if<Standing>(&condition)) standing->level = standing->level - metres(up);
-    spec.surfaces.push_back(condition);
-  }
-  auto network = flow::Network::make(std::move(spec));
-  if (!network) throw std::runtime_error{describe(network.error())};
-  return {*std::move(network), std::move(surfaces), std::move(complex)};
-}
-
-Flow solved(const flow::Network& network, double tolerance = 0.01) {
-  auto flow = flow::solve(network, {.tolerance = tolerance});
-  if (!flow) throw std::runtime_error{describe(flow.error())};
-  EXPECT_LT(flow->residual, 1e-12);
-  EXPECT_LT(flow->imbalance, 1e-9);
-  return *std::move(flow);
-}
-
-geometry::Solid room() { return box({0, 0, 0}, {4, 3, 2}); }
 
 TEST(FlowTest, OneJointIsDarcysLaw) {
   const auto built = build(scene(room(), {rectangle(2, 1, {-1, -1}, {5, 5})}),

@@ -130,7 +130,7 @@ class Level final {
   double gap_of_pressures(double tolerance, std::vector<std::uint8_t>& marked) const;
 
   [[nodiscard]] Flow result() const {
-    Flow flow{.mesh = mesh_, .wet = wet_, .residual = residual_};
+    Flow flow{.mesh = mesh_, .wet = wet_, .open = open_, .residual = residual_};
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
       auto& head = flow.head.emplace_back();
       Vec3& q = flow.q.emplace_back();

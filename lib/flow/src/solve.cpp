@@ -34,6 +34,7 @@ std::expected<Flow, FlowError> solve(const Network& network, const FlowOptions& 
   flip_sides(mesh);
   std::vector<std::uint8_t> open = open_at_first(mesh, network);
   std::vector<FlowRound> rounds;
+  bool made = !options.two_point;
   for (;;) {
     Level level{mesh, network, open};
     CLEAVE_CHECK(level.settle());
@@ -57,6 +58,12 @@ std::expected<Flow, FlowError> solve(const Network& network, const FlowOptions& 
     if (round.width > options.tolerance) level.mark_worst(wanted, marked);
     const bool good = round.width <= options.tolerance && round.pressures <= options.tolerance;
     if (good || last || std::ranges::find(marked, 1) == marked.end()) {
+      if (!made) {
+        open = level.open();
+        make_two_point(mesh, network, open, options.most_triangles);
+        made = true;
+        continue;
+      }
       CLEAVE_CHECK(bound_above());
       Flow flow = level.result();
       flow.rounds = std::move(rounds);
@@ -67,6 +74,7 @@ std::expected<Flow, FlowError> solve(const Network& network, const FlowOptions& 
     }
     open = level.open();
     refine(mesh, marked, open);
+    made = !options.two_point;
   }
 }
 

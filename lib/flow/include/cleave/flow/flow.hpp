@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <expected>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <variant>
@@ -100,6 +101,10 @@ struct FlowOptions {
   /// Heads of pressure are used: it is also refined until `FlowRound::pressures` is no more than the tolerance.
   bool pressures = false;
   std::size_t most_triangles = 1'000'000;
+  /// The last mesh is made one for two-point fluxes, and solved again: sides are turned until no flat piece has two
+  /// angles across a side that add up to more than half a turn (Lawson 1977), and what no turn mends (obtuse angles
+  /// across from lines in which joints meet, and from borders) is split in the middle.
+  bool two_point = false;
 };
 
 /// Different heads stand side by side: the rate between them has no bound. One of the two surfaces ends there, or is
@@ -147,6 +152,7 @@ struct Flow {
   std::vector<SurfaceFlow> surfaces = {};
   std::vector<FlowRate> out_of_border = {};            ///< of each of the mesh's borders
   std::vector<std::uint32_t> triangle_of_border = {};  ///< one that lies there
+  std::vector<std::uint8_t> open = {};                 ///< of each border: water passes, and its head is given
   Rate drained = {};                                   ///< out of all drained surfaces
   Area wet_area = {}, area = {};                       ///< of joints
   double residual = 0;                                 ///< of the equations, relative, the largest
@@ -158,6 +164,42 @@ struct Flow {
 /// Error: rates of the lowest order with meshes that follow the error; the width of the bounds falls like one over the
 /// number of triangles, whatever the shape of the network.
 [[nodiscard]] std::expected<Flow, FlowError> solve(const Network& network, const FlowOptions& options = {});
+
+// ---- For programs that send water from cell to cell ----------------------------------------------------------------
+
+/// The water around a corner of the mesh: a third of each triangle there.
+struct FlowCell {
+  geometry::Vec3 at;  ///< m
+  Volume volume = {};
+  Length head = {};
+};
+/// Two cells that share a side of the mesh: conductance times the difference of their heads passes between them. It is
+/// the sum over the triangles at the side of T cot(angle across) / 2.
+struct FlowConnection {
+  std::array<std::uint32_t, 2> cells;  ///< ascending
+  Transmissivity conductance = {};
+};
+/// A cell whose head is given.
+struct HeldCell {
+  std::uint32_t cell;
+  std::uint32_t surface;  ///< of several a drained one; the first
+  FlowRate out = {};      ///< that the cells around send it, at the heads of the Flow
+};
+
+/// What is wet of a mesh as cells about its corners. Sums over connections are the equations of heads that are linear
+/// in triangles, to the last digit: a program of two-point fluxes finds these heads.
+struct FlowCells {
+  std::vector<FlowCell> cells = {};
+  std::vector<std::array<std::uint32_t, 3>> triangles = {};  ///< the cells at their corners
+  std::vector<std::uint32_t> triangle_of = {};               ///< of each of them: its number in Flow::mesh
+  std::vector<FlowConnection> connections = {};              ///< one a side, ascending
+  std::vector<HeldCell> held = {};                           ///< ascending
+  std::size_t negative = 0;                                  ///< connections whose conductance is below 0
+  double negative_share = 0;                                 ///< theirs of the sum of all sizes
+  double imbalance = 0;  ///< the largest of what stays in a cell that is not held, of what goes through it
+};
+/// `flow` is a solution of `network`; `openings`: of each of its parts how far the walls are apart, m.
+[[nodiscard]] FlowCells cells_of(const Flow& flow, const Network& network, std::span<const Length> openings);
 
 // ---- From a cut -----------------------------------------------------------------------------------------------------
 
