@@ -111,6 +111,65 @@ TEST(FlowScene, WithoutALevelOnlyWhatHangsTogether) {
   EXPECT_FALSE(result.flow->joints[0].aperture.has_value());
 }
 
+/// By what is in the files alone: what leaves through a boundary, from connections and heads.
+double sent_to(const FlowMesh& mesh, std::string_view file) {
+  const auto boundary = std::ranges::find(mesh.boundaries, file, &FlowMeshBoundary::file);
+  if (boundary == mesh.boundaries.end()) throw std::runtime_error{"no such file"};
+  std::vector<std::uint8_t> in(mesh.cells.cells.size(), 0);
+  for (const std::uint32_t h : boundary->held) in[mesh.cells.held[h].cell] = 1;
+  double sum = 0;
+  for (const flow::FlowConnection& c : mesh.cells.connections) {
+    const double passes =
+        c.conductance.si() * (mesh.cells.cells[c.cells[0]].head - mesh.cells.cells[c.cells[1]].head).si();
+    sum += (in[c.cells[1]] - in[c.cells[0]]) * passes;
+  }
+  EXPECT_NEAR(sum, boundary->out.si(), 1e-12 * std::abs(sum));
+  return sum;
+}
+
+TEST(FlowScene, MeshesForOtherProgramsPassWhatTheBoundsSay) {
+  const std::string exports = "[flow]\nexports = [\"pflotran\"]\n";
+  const auto result = run_of(with_box(level_joint(3) + aperture + exports + across));
+  ASSERT_TRUE(result.flow && result.flow->mesh);
+  const FlowMesh& mesh = *result.flow->mesh;
+  const double exact = cubic * 1e-9 * (9 - 7);
+  ASSERT_EQ(mesh.boundaries.size(), 2U);
+  EXPECT_EQ(mesh.boundaries[0].file, "flow_mesh_standing_0.ex");
+  EXPECT_EQ(mesh.boundaries[0].surfaces, std::vector<std::string>{"west"});
+  EXPECT_DOUBLE_EQ(mesh.boundaries[0].level->si(), 9);
+  EXPECT_NEAR(sent_to(mesh, mesh.boundaries[0].file), -exact, 1e-12 * exact);
+  EXPECT_NEAR(sent_to(mesh, mesh.boundaries[1].file), exact, 1e-12 * exact);
+  EXPECT_NEAR(mesh.volume().si(), 64e-3, 1e-15);
+  EXPECT_NEAR(mesh.permeability.si(), 1e-6 / 12, 1e-19) << "of one aperture: that of parallel walls";
+  EXPECT_NEAR(mesh.conductivity().si() * 1e-3, cubic * 1e-9, 1e-15);
+  // Joints on one another hold both their waters. Apertures that differ: the mean over the water.
+  const std::string both = level_joint(3, "set = \"A\"\n") + level_joint(3, "set = \"B\"\n") + aperture;
+  const auto lying = run_of(with_box(both + "[joints.B]\naperture = 3e-3\n" + exports + across));
+  EXPECT_NEAR(lying.flow->mesh->volume().si(), 64 * 4e-3, 1e-14);
+  EXPECT_NEAR(lying.flow->mesh->permeability.si(), (1e-9 + 27e-9) / 4e-3 / 12, 1e-18);
+  EXPECT_NEAR(sent_to(*lying.flow->mesh, "flow_mesh_standing_1.ex"), 28 * exact, 1e-11 * exact);
+  const auto adit = run_of(with_box(level_joint(3) + aperture + tunnel + exports + "level = 20\n"));
+  const FlowMesh& drawn = *adit.flow->mesh;
+  EXPECT_EQ(drawn.boundaries.back().file, "flow_mesh_drained.ex");
+  EXPECT_EQ(drawn.boundaries.back().surfaces, std::vector<std::string>{"adit"});
+  EXPECT_FALSE(drawn.boundaries.back().level.has_value());
+  const flow::Rate inflow = adit.flow->flow->drained;
+  EXPECT_NEAR(sent_to(drawn, "flow_mesh_drained.ex"), inflow.value, 1e-9 * inflow.value);
+  EXPECT_FALSE(run_of(with_box(level_joint(3) + aperture + exports + "level = 1\n")).flow->mesh.has_value());
+  EXPECT_FALSE(run_of(with_box(level_joint(3) + aperture + "[flow]\n" + across)).flow->mesh.has_value());
+}
+
+TEST(FlowScene, MeshesWithoutSenseAreRefusedOrSaid) {
+  const auto with = [](const std::string& text) { return with_box(level_joint(3) + aperture + text); };
+  EXPECT_TRUE(error_of(with("[flow]\nexports = [\"pflotran\"]\n")).contains("no water stands anywhere"));
+  EXPECT_TRUE(error_of(with("[flow]\nlevel = 9\nexports = [\"fehm\"]\n")).contains("\"fehm\" is not known"));
+  const auto ensemble =
+      scene_of(with("[flow]\nlevel = 9\nexports = [\"pflotran\"]\n[monte_carlo]\nrealizations = 2\n"));
+  EXPECT_TRUE(
+      std::ranges::any_of(ensemble.notes, [](const Problem& note) { return describe(note).contains("replay"); }));
+  EXPECT_TRUE(ensemble.flow->pflotran) << "a replay writes it";
+}
+
 TEST(FlowScene, WhatIsWrongIsSaid) {
   const auto wrong = [](const std::string& text) { return error_of(with_box(level_joint(3) + text)); };
   EXPECT_TRUE(wrong("[flow]\nlevel = 20\n").contains("joints.default.aperture: is missing"));

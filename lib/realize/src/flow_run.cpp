@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "cleave/core/expected.hpp"
@@ -128,29 +129,73 @@ class FlowRun {
   }
 
   std::expected<void, Problem> send_water() {
+    std::vector<Length> openings;
     flow::NetworkSpec spec{.mesh = flow::mesh_of(complex_, surfaces_), .transmissivity = {}, .surfaces = conditions_};
     for (const topology::JointPiece& piece : complex_.network()->pieces) {
       Transmissivity sum;
-      Length widest;
+      Length widest, together;
       for (const topology::JointId joint : piece.joints) {
         const Length aperture = drawn_.joints[joint].aperture.value_or(Length{});
         sum += transmissivity(aperture);
         widest = std::max(widest, aperture);
+        together += aperture;
       }
       spec.transmissivity.push_back(sum);
       out_.aperture_of_part.push_back(widest);
+      openings.push_back(together);
     }
     auto network = flow::Network::make(std::move(spec));
     if (!network)
       return std::unexpected(problem(describe(network.error()), "report this scene: it is a bug in cleave"));
     auto solved = flow::solve(*network, {.tolerance = settings_.tolerance,
                                          .pressures = acts_on_blocks(scene_),
-                                         .most_triangles = settings_.most_triangles});
+                                         .most_triangles = settings_.most_triangles,
+                                         .two_point = settings_.pflotran});
     if (!solved) return std::unexpected(refused(solved.error()));
     out_.flow = *std::move(solved);
     for (std::size_t s = 0; s < out_.surfaces.size(); ++s) out_.surfaces[s].passed = out_.flow->surfaces[s];
+    if (settings_.pflotran) make_mesh(*network, std::move(openings));
     note_flow();
     return {};
+  }
+
+  void make_mesh(const flow::Network& network, std::vector<Length> openings) {
+    flow::FlowCells cells = flow::cells_of(*out_.flow, network, openings);
+    if (cells.cells.empty()) return;
+    FlowMesh& mesh = out_.mesh.emplace(FlowMesh{.cells = std::move(cells),
+                                                .permeability = reference_permeability(network, openings),
+                                                .viscosity = settings_.viscosity,
+                                                .opening_of_part = std::move(openings),
+                                                .transmissivity_of_part = network.transmissivity()});
+    FlowMeshBoundary drained{.file = "flow_mesh_drained.ex", .surfaces = {}, .level = {}};
+    for (std::size_t s = 0; s < out_.surfaces.size(); ++s) {
+      FlowMeshBoundary own{
+          .file = fmt::format("flow_mesh_standing_{}.ex", s), .surfaces = {}, .level = out_.surfaces[s].level};
+      FlowMeshBoundary& boundary = own.level ? own : drained;
+      const std::size_t before = boundary.held.size();
+      for (std::uint32_t h = 0; h < mesh.cells.held.size(); ++h) {
+        if (mesh.cells.held[h].surface != s) continue;
+        boundary.held.push_back(h);
+        boundary.out += mesh.cells.held[h].out;
+      }
+      if (boundary.held.size() > before) boundary.surfaces.push_back(out_.surfaces[s].name);
+      if (!own.held.empty()) mesh.boundaries.push_back(std::move(own));
+    }
+    if (!drained.held.empty()) mesh.boundaries.push_back(std::move(drained));
+  }
+  /// The mean of a^2 / 12 over the water in wet joints: areas are those of the joints where all are alike.
+  [[nodiscard]] Area reference_permeability(const flow::Network& network, std::span<const Length> openings) const {
+    const flow::Flow& f = *out_.flow;
+    double passes = 0, volume = 0;
+    for (std::size_t t = 0; t < f.mesh.triangles.size(); ++t) {
+      if (f.wet[t] == 0) continue;
+      const auto& [a, b, c] = f.mesh.triangles[t];
+      const auto& at = f.mesh.points;
+      const double area = 0.5 * norm(cross(at[b] - at[a], at[c] - at[a]));
+      passes += area * network.transmissivity()[f.mesh.part[t]].si();
+      volume += area * openings[f.mesh.part[t]].si();
+    }
+    return square_metres(passes / volume * settings_.viscosity.si() / gravity);
   }
 
   [[nodiscard]] Transmissivity transmissivity(Length aperture) const {
@@ -193,6 +238,13 @@ class FlowRun {
     }
     if (f.area > Area{} && !(f.wet_area > Area{})) {
       out_.notes.emplace_back("[flow]: no joint reaches standing water, so no water flows");
+    }
+    if (out_.mesh && out_.mesh->cells.negative > 0) {
+      out_.notes.push_back(fmt::format(
+          "[flow]: {} of the {} connections of flow_mesh.uge have an area below 0 ({:.2g} % of all conductance): "
+          "across from them joints meet or end under sharp angles. With them fluxes are exactly those of the mesh; a "
+          "program that sets them to 0 finds a little less",
+          out_.mesh->cells.negative, out_.mesh->cells.connections.size(), 100 * out_.mesh->cells.negative_share));
     }
     out_.notes.push_back(note_on_flow(scene_));
   }

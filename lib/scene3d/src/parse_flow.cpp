@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <string_view>
 
@@ -13,6 +14,7 @@ namespace {
 
 constexpr NumberRule viscosity_rule = NumberRule{0, true, 1e3, false, " m2/s"}.usually(2e-7, 1e-4);
 constexpr NumberRule tolerance_rule{1e-6, false, 10, false, ""};
+constexpr std::array<std::string_view, 1> known_meshes{"pflotran"};
 
 const KeyTable& flow_side_keys() {
   static const KeyTable keys{
@@ -21,6 +23,24 @@ const KeyTable& flow_side_keys() {
                {"level", key::number(rule::coordinate), "", "m, z: water stands there to this level"},
                {"closed", key::flag(), "false", "no water passes"}}};
   return keys;
+}
+
+void parse_exports(const TableReader& table, bool ensemble, FlowSettings& settings) {
+  for (const std::string& name : table.texts("exports").value_or(std::vector<std::string>{})) {
+    if (std::ranges::find(known_meshes, name) == known_meshes.end()) {
+      table.error("exports", fmt::format("\"{}\" is not known", name), "the mesh is written for \"pflotran\"");
+      continue;
+    }
+    settings.pflotran = true;
+  }
+  if (settings.pflotran && !settings.flows()) {
+    table.error("exports", "wants heads, and no water stands anywhere",
+                "give [flow] a level, or [[flow.side]] one; flow.vtu has the mesh without water");
+  }
+  if (settings.pflotran && ensemble) {
+    table.note("exports", "writes the mesh of one network, and an ensemble has many",
+               "cleave replay writes that of a realization");
+  }
 }
 
 void parse_side(const TableReader& table, const std::optional<geometry::Solid>& domain, FlowSettings& settings) {
@@ -54,7 +74,9 @@ const KeyTable& flow_keys() {
                {"viscosity", key::number(viscosity_rule), "1.004e-6", "m2/s, kinematic: water at 20 degrees"},
                {"tolerance", key::number(tolerance_rule), "0.02",
                 "half width of the bounds of the inflow over the inflow: the mesh is refined until then"},
-               {"max_triangles", key::whole(1000, 20'000'000), "1000000", "the mesh grows no further"}}};
+               {"max_triangles", key::whole(1000, 20'000'000), "1000000", "the mesh grows no further"},
+               {"exports", key::array(key::word(known_meshes)), "[]",
+                "the mesh with its water for other programs, as `flow_mesh.uge` and so on ([flow.md](flow.md))"}}};
   return keys;
 }
 
@@ -70,6 +92,7 @@ std::optional<FlowSettings> parse_flow(const TableReader& root, const Context& c
   settings.viscosity = Transmissivity::from_si(table.value("viscosity"));
   settings.tolerance = table.value("tolerance");
   settings.most_triangles = static_cast<std::size_t>(table.count("max_triangles"));
+  parse_exports(table, root.has("monte_carlo"), settings);
   if (!settings.flows()) return settings;
   for (const SetId set : used) {
     if (context.sets[set].properties.aperture) continue;
