@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -131,6 +132,7 @@ TEST(CellsTest, WhatPassesIsTheUpperBoundBetweenTwoLevels) {
     EXPECT_NEAR(volume(cells), exact, 1e-12);
     EXPECT_NEAR(flow.wet_area.si(), flow.area.si(), 1e-12);
     EXPECT_EQ(flow.open.size(), flow.mesh.borders.size());
+    EXPECT_EQ(flow.held.size(), flow.mesh.triangles.size());
   }
 }
 
@@ -178,7 +180,53 @@ TEST(CellsTest, DryJointsAndDrySidesAreLeftOut) {
   EXPECT_TRUE(cells_of(none, solved(none.network, 0.01, true)).cells.empty());
 }
 
-TEST(CellsTest, ACellOfTwoSurfacesIsOfTheDrainedOne) {
+TEST(CellsTest, WaterIsHeldAtItsHeightWhereItSeepsOutAndNowhereElse) {
+  constexpr std::array openings{metres(1e-3)};
+  for (const double level : {0.5, 1.0, 4.0, 8.0}) {
+    for (const double tolerance : {0.3, 0.03}) {
+      SCOPED_TRACE(level);
+      const auto network = seeping(level);
+      const Flow flow = solved(network, tolerance, true);
+      const FlowCells cells = flow::cells_of(flow, network, openings);
+      expect_the_same_heads(cells);
+      ASSERT_EQ(cells.negative, 0U);
+      const double out = out_of(cells, 0);
+      EXPECT_GE(out, flow.drained.low);
+      EXPECT_LE(out, flow.drained.high);
+      std::vector<char> held(cells.cells.size(), 0);
+      for (const auto& own : cells.held) {
+        const auto& cell = cells.cells[own.cell];
+        held[own.cell] = 1;
+        EXPECT_NEAR(cell.head.si(), own.surface == 0 ? cell.at.z : level, 1e-12);
+        EXPECT_TRUE(own.surface != 0 || own.out.si() > -1e-12) << "no water goes in";
+      }
+      std::size_t dry = 0;
+      for (std::size_t c = 0; c < held.size(); ++c) {
+        const auto& cell = cells.cells[c];
+        if (cell.at.x < 10 || held[c] != 0) continue;
+        EXPECT_LE(cell.head.si(), cell.at.z + 1e-9);
+        ++dry;
+      }
+      EXPECT_GT(dry, 0U) << "or nothing is closed";
+    }
+  }
+}
+
+TEST(CellsTest, StandingWaterHoldsNothingAboveItself) {
+  const auto built = build(scene(room(), {rectangle(1, 1, {-1, -1}, {5, 5})}),
+                           {.sides = {{west, at(1)}, {top, at(5)}}, .transmissivity = {1e-6}});
+  const FlowCells cells = cells_of(built, solved(built.network, 0.05, true));
+  std::size_t corner = 0;
+  for (const auto& held : cells.held) {
+    const Vec3 place = built.complex.origin() + cells.cells[held.cell].at;
+    EXPECT_EQ(held.surface, built.of_tag(place.z > 1.5 ? top : west));
+    corner += norm(place - Vec3{0, 1, 2}) < 1e-9 ? 1U : 0U;
+  }
+  EXPECT_EQ(corner, 1U) << "of two sides, one of them dry there";
+  expect_the_same_heads(cells);
+}
+
+TEST(CellsTest, ACellOfTwoSurfacesIsOfTheStandingWater) {
   // Water stands in the west to where the floor of a chamber begins; more comes from the east.
   auto input = scene(room(), {rectangle(1, 1, {-1, -1}, {5, 5})}, {box({-1, 0.5, 1}, {1, 1.5, 1.5})});
   const auto built = build(input, {.sides = {{west, at(1)}, {east, at(5)}}, .transmissivity = {1e-6}});
@@ -188,7 +236,7 @@ TEST(CellsTest, ACellOfTwoSurfacesIsOfTheDrainedOne) {
   for (const auto& held : cells.held) {
     const Vec3 place = built.complex.origin() + cells.cells[held.cell].at;
     if (norm(place - Vec3{0, 1, 1}) > 1e-9) continue;
-    EXPECT_EQ(held.surface, built.of_excavation(0));
+    EXPECT_EQ(held.surface, built.of_tag(west));
     ++shared;
   }
   EXPECT_EQ(shared, 1U);

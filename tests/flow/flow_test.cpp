@@ -223,18 +223,6 @@ TEST(FlowTest, WaterComesOutOfDrainedSurfacesAndNeverGoesIn) {
   EXPECT_NEAR(none.imbalance, 0, 1e-9);
 }
 
-/// An upright joint 10 m wide and 10 m high of two triangles: water stands in the west, the east side is drained.
-flow::Network seeping(double level) {
-  flow::NetworkSpec spec;
-  spec.mesh = {.points = {{0, 0, 0}, {10, 0, 0}, {10, 0, 10}, {0, 0, 10}},
-               .triangles = {{0, 1, 2}, {0, 2, 3}},
-               .part = {0, 0},
-               .borders = {{{1, 2}, 0}, {{3, 0}, 1}}};
-  spec.transmissivity = {Transmissivity::from_si(1)};
-  spec.surfaces = {Drained{}, at(level)};
-  return flow::Network::make(std::move(spec)).value();
-}
-
 TEST(FlowTest, WaterSeepsOutWhereTheFirstMeshHasNoSide) {
   // The only drained side of the first mesh has its middle above the water; water comes out at its foot all the same.
   // Values of fine meshes. Finite differences on grids of 20, 40 and 80 cells a side come down to them: 1.4075, 1.3974,

@@ -77,11 +77,24 @@ inline Built build(topology::CutInput input, const Water& water) {
 }
 
 inline Flow solved(const flow::Network& network, double tolerance = 0.01, bool two_point = false) {
-  auto flow = flow::solve(network, {.tolerance = tolerance, .two_point = two_point});
+  auto flow = flow::solve(network, {.tolerance = tolerance});
+  if (flow && two_point) flow = flow::solve_for_two_points(network, *flow);
   if (!flow) throw std::runtime_error{describe(flow.error())};
   EXPECT_LT(flow->residual, 1e-12);
   EXPECT_LT(flow->imbalance, 1e-9);
   return *std::move(flow);
+}
+
+/// An upright joint 10 m wide and 10 m high of two triangles: water stands in the west, the east side is drained.
+inline flow::Network seeping(double level) {
+  flow::NetworkSpec spec;
+  spec.mesh = {.points = {{0, 0, 0}, {10, 0, 0}, {10, 0, 10}, {0, 0, 10}},
+               .triangles = {{0, 1, 2}, {0, 2, 3}},
+               .part = {0, 0},
+               .borders = {{{1, 2}, 0}, {{3, 0}, 1}}};
+  spec.transmissivity = {Transmissivity::from_si(1)};
+  spec.surfaces = {Drained{}, at(level)};
+  return flow::Network::make(std::move(spec)).value();
 }
 
 inline geometry::Solid room() { return box({0, 0, 0}, {4, 3, 2}); }

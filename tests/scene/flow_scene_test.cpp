@@ -153,10 +153,29 @@ TEST(FlowScene, MeshesForOtherProgramsPassWhatTheBoundsSay) {
   EXPECT_EQ(drawn.boundaries.back().file, "flow_mesh_drained.ex");
   EXPECT_EQ(drawn.boundaries.back().surfaces, std::vector<std::string>{"adit"});
   EXPECT_FALSE(drawn.boundaries.back().level.has_value());
-  const flow::Rate inflow = adit.flow->flow->drained;
+  const flow::Rate inflow = drawn.flow.drained;
   EXPECT_NEAR(sent_to(drawn, "flow_mesh_drained.ex"), inflow.value, 1e-9 * inflow.value);
   EXPECT_FALSE(run_of(with_box(level_joint(3) + aperture + exports + "level = 1\n")).flow->mesh.has_value());
   EXPECT_FALSE(run_of(with_box(level_joint(3) + aperture + "[flow]\n" + across)).flow->mesh.has_value());
+}
+
+TEST(FlowScene, MeshesForOtherProgramsHoldDrainedSurfacesWhereWaterComesOut) {
+  // An upright joint through an adit: water comes out of its floor and lower walls alone.
+  const std::string upright = "[[joint]]\nplane = { through = [4, 4, 3], dip = 90, dip_direction = 0 }\n";
+  const auto result = run_of(with_box(upright + aperture + tunnel + "[flow]\nlevel = 3\nexports = [\"pflotran\"]\n"));
+  const FlowMesh& mesh = result.flow->mesh.value();
+  const flow::Rate& inflow = mesh.flow.drained;
+  const double found = sent_to(mesh, "flow_mesh_drained.ex");
+  EXPECT_GT(surface(result, "adit").passed->dry_length.si(), 0);
+  EXPECT_GT(found, 0);
+  ASSERT_EQ(mesh.cells.negative, 0U);
+  EXPECT_GE(found, inflow.low);
+  EXPECT_LE(found, inflow.high);
+  EXPECT_LE(inflow.low, result.flow->flow->drained.high) << "both are bounds of one rate";
+  EXPECT_GE(inflow.high, result.flow->flow->drained.low);
+  for (const flow::HeldCell& held : mesh.cells.held) {
+    if (result.flow->surfaces[held.surface].name == "adit") EXPECT_GT(held.out.si(), -1e-15) << "none goes in";
+  }
 }
 
 TEST(FlowScene, MeshesWithoutSenseAreRefusedOrSaid) {
@@ -288,7 +307,7 @@ TEST(FlowScene, RealizationsAreTheirReplays) {
       "[[joint_set]]\nname = \"A\"\norientation = { dip = 35, dip_direction = 90, distribution = \"fisher\", kappa = 5 "
       "}\n"
       "size = { distribution = \"constant\", mean = 12 }\nintensity = { count = 12 }\n"
-      "[joints.default]\nfriction = 25\naperture = 1e-3\n[flow]\nlevel = 6\n[stability]\nfree = [\"east\", "
+      "[joints.default]\nfriction = 25\naperture = 1e-3\n[flow]\nlevel = 6\nexports = [\"pflotran\"]\n[stability]\nfree = [\"east\", "
       "\"top\"]\ngroups = \"off\"\nwater = { flow = true }\n[monte_carlo]\nrealizations = 4\n";
   const Scene scene = scene_of(with_box(wedges));
   EXPECT_TRUE(make_plan(scene).runs(Step::flow));
@@ -296,19 +315,28 @@ TEST(FlowScene, RealizationsAreTheirReplays) {
   std::string dry = with_box(wedges);
   dry.replace(dry.find("water = { flow = true }"), 23, "water = { table = -50 }");
   double wet_volume = 0, dry_volume = 0;
+  std::size_t meshes = 0;
   for (const stochastic::Record& r : records) {
     StageTimer timer;
     Progress progress{ProgressStyle::quiet};
     const auto replay = run(scene, {.threads = 1, .realization = r.realization}, timer, progress);
     ASSERT_TRUE(replay && replay->flow && replay->flow->flow);
     ASSERT_TRUE(r.flow && r.flow->water);
-    EXPECT_EQ(r.flow->water->inflow.si(), replay->flow->flow->drained.value);
+    EXPECT_EQ(r.flow->water->inflow.si(), replay->flow->flow->drained.value) << "no figure hangs on the mesh";
+    EXPECT_EQ(replay->flow->mesh.has_value(), replay->flow->flow->wet_area > Area{});
+    meshes += replay->flow->mesh ? 1U : 0U;
     EXPECT_EQ(r.flow->clusters, replay->flow->connectivity.clusters.size());
     EXPECT_EQ(r.flow->backbone_share, replay->flow->share_of_backbone());
     EXPECT_EQ(r.flow->opening_share, replay->flow->share_at_openings());
     EXPECT_NEAR(r.all.volume_m3, replay->figures.key_blocks->volume_m3, 1e-9);
     wet_volume += r.all.volume_m3;
   }
+  EXPECT_GT(meshes, 0U);
+  StageTimer timer;
+  realize(scene, nullptr, 0, 3, timer, [](std::uint64_t, const Realization* r) {
+    ASSERT_TRUE(r != nullptr && r->flow);
+    EXPECT_FALSE(r->flow->mesh.has_value()) << "nobody sees it";
+  });
   const Scene without = scene_of(dry);
   for (const stochastic::Record& r : records_of(without, 6)) dry_volume += r.all.volume_m3;
   EXPECT_GT(wet_volume, dry_volume) << "the pressures act";

@@ -91,21 +91,20 @@ class CellMaker {
     out_.negative_share = all > 0 ? below / all : 0;
   }
 
-  /// Of surfaces that share a cell a drained one has it, so that what comes out of these is what is sent to theirs.
+  /// Of surfaces that share a cell one with standing water has it, as in the bounds of what comes out.
   void hold() {
-    const auto rank = [&](Index surface) {
-      return std::pair{!std::holds_alternative<Drained>(network_.surfaces()[surface]), surface};
-    };
+    const auto drained = [&](Index surface) { return std::holds_alternative<Drained>(network_.surfaces()[surface]); };
+    const auto rank = [&](Index surface) { return std::pair{drained(surface), surface}; };
     std::vector<Index> triangle_number(mesh_.triangles.size(), none);
     for (Index n = 0; n < out_.triangle_of.size(); ++n) triangle_number[out_.triangle_of[n]] = n;
     std::vector<Index> surface(out_.cells.size(), none);
     for (std::size_t b = 0; b < mesh_.borders.size(); ++b) {
       const Index t = flow_.triangle_of_border[b];
-      if (flow_.open[b] == 0 || flow_.wet[t] == 0) continue;
       const Border& border = mesh_.borders[b];
+      if (flow_.wet[t] == 0 || (flow_.open[b] == 0 && !drained(border.surface))) continue;
       for (std::size_t k = 0; k < 3; ++k) {
         const Index point = mesh_.triangles[t][k];
-        if (point != border.ends[0] && point != border.ends[1]) continue;
+        if (flow_.held[t][k] == 0 || (point != border.ends[0] && point != border.ends[1])) continue;
         Index& own = surface[out_.triangles[triangle_number[t]][k]];
         if (own == none || rank(border.surface) < rank(own)) own = border.surface;
       }

@@ -54,7 +54,7 @@ void split_at_levels(Mesh& mesh, std::span<const Surface> surfaces);
 /// no line on them: better angles, the same points.
 void flip_sides(Mesh& mesh);
 
-/// The mesh for FlowOptions::two_point. Where lines meet at sharp angles splitting need not come to an end: a few
+/// The mesh for `solve_for_two_points`. Where lines meet at sharp angles splitting need not come to an end: a few
 /// passes, and no more triangles than asked for. `states` as in `refine`.
 void make_two_point(Mesh& mesh, const Network& network, std::vector<std::uint8_t>& states, std::size_t most_triangles);
 

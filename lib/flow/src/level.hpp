@@ -133,11 +133,16 @@ class Level final {
     Flow flow{.mesh = mesh_, .wet = wet_, .open = open_, .residual = residual_};
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
       auto& head = flow.head.emplace_back();
+      auto& held = flow.held.emplace_back();
       Vec3& q = flow.q.emplace_back();
       flow.area += square_metres(areas_[t]);
       if (wet_[t] == 0) continue;
       flow.wet_area += square_metres(areas_[t]);
-      for (std::size_t k = 0; k < 3; ++k) head[k] = metres(continuous_.heads(corners_.of[t][k], 0));
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Index corner = corners_.of[t][k];
+        head[k] = metres(continuous_.heads(corner, 0));
+        held[k] = standing_corners_[corner] | continuous_.held[corner];
+      }
       q = -transmissivity(t) * gradient(t, in_middles(low_, t, 0));
     }
     put_surfaces(flow);

@@ -1,5 +1,6 @@
 #include "cleave/flow/flow.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -34,7 +35,6 @@ std::expected<Flow, FlowError> solve(const Network& network, const FlowOptions& 
   flip_sides(mesh);
   std::vector<std::uint8_t> open = open_at_first(mesh, network);
   std::vector<FlowRound> rounds;
-  bool made = !options.two_point;
   for (;;) {
     Level level{mesh, network, open};
     CLEAVE_CHECK(level.settle());
@@ -58,12 +58,6 @@ std::expected<Flow, FlowError> solve(const Network& network, const FlowOptions& 
     if (round.width > options.tolerance) level.mark_worst(wanted, marked);
     const bool good = round.width <= options.tolerance && round.pressures <= options.tolerance;
     if (good || last || std::ranges::find(marked, 1) == marked.end()) {
-      if (!made) {
-        open = level.open();
-        make_two_point(mesh, network, open, options.most_triangles);
-        made = true;
-        continue;
-      }
       CLEAVE_CHECK(bound_above());
       Flow flow = level.result();
       flow.rounds = std::move(rounds);
@@ -74,8 +68,26 @@ std::expected<Flow, FlowError> solve(const Network& network, const FlowOptions& 
     }
     open = level.open();
     refine(mesh, marked, open);
-    made = !options.two_point;
   }
+}
+
+std::expected<Flow, FlowError> solve_for_two_points(const Network& network, const Flow& flow,
+                                                    std::size_t most_triangles) {
+  Mesh mesh = flow.mesh;
+  std::vector<std::uint8_t> open = flow.open;
+  make_two_point(mesh, network, open, most_triangles);
+  Level level{mesh, network, open};
+  CLEAVE_CHECK(level.settle());
+  CLEAVE_CHECK(level.bound());
+  FlowRound round{.triangles = mesh.triangles.size(), .width = level.width_of(level.groups(level.drains()))};
+  if (level.drains()) {
+    CLEAVE_CHECK(level.bound_above());
+    round.width = std::max(round.width, level.width_of_drained());
+  }
+  Flow made = level.result();
+  made.rounds = {round};
+  made.status = level.settled() ? FlowStatus::converged : FlowStatus::unsettled;
+  return made;
 }
 
 std::string describe(const FlowError& error) {

@@ -62,9 +62,10 @@ std::set<std::uint32_t> cut_sides(const topology::BlockComplex& complex, double 
 
 class FlowRun {
  public:
-  FlowRun(const Scene& scene, const SampledScene& drawn, const topology::BlockComplex& complex)
+  FlowRun(const Scene& scene, const SampledScene& drawn, const topology::BlockComplex& complex, Detail detail)
       : scene_{scene},
         settings_{*scene.flow},
+        writes_mesh_{settings_.pflotran && detail == Detail::shown},
         drawn_{drawn},
         complex_{complex},
         surfaces_{flow::surfaces_of(*complex.network())} {}
@@ -149,24 +150,24 @@ class FlowRun {
       return std::unexpected(problem(describe(network.error()), "report this scene: it is a bug in cleave"));
     auto solved = flow::solve(*network, {.tolerance = settings_.tolerance,
                                          .pressures = acts_on_blocks(scene_),
-                                         .most_triangles = settings_.most_triangles,
-                                         .two_point = settings_.pflotran});
+                                         .most_triangles = settings_.most_triangles});
     if (!solved) return std::unexpected(refused(solved.error()));
     out_.flow = *std::move(solved);
     for (std::size_t s = 0; s < out_.surfaces.size(); ++s) out_.surfaces[s].passed = out_.flow->surfaces[s];
-    if (settings_.pflotran) make_mesh(*network, std::move(openings));
+    if (writes_mesh_) CLEAVE_CHECK(make_mesh(*network, std::move(openings)));
     note_flow();
     return {};
   }
 
-  void make_mesh(const flow::Network& network, std::vector<Length> openings) {
-    flow::FlowCells cells = flow::cells_of(*out_.flow, network, openings);
-    if (cells.cells.empty()) return;
-    FlowMesh& mesh = out_.mesh.emplace(FlowMesh{.cells = std::move(cells),
-                                                .permeability = reference_permeability(network, openings),
-                                                .viscosity = settings_.viscosity,
-                                                .opening_of_part = std::move(openings),
-                                                .transmissivity_of_part = network.transmissivity()});
+  std::expected<void, Problem> make_mesh(const flow::Network& network, std::vector<Length> openings) {
+    if (!(out_.flow->wet_area > Area{})) return {};
+    auto made = flow::solve_for_two_points(network, *out_.flow, settings_.most_triangles);
+    if (!made) return std::unexpected(refused(made.error()));
+    FlowMesh& mesh = out_.mesh.emplace(FlowMesh{.flow = *std::move(made), .viscosity = settings_.viscosity});
+    mesh.cells = flow::cells_of(mesh.flow, network, openings);
+    mesh.permeability = reference_permeability(mesh.flow, network, openings);
+    mesh.opening_of_part = std::move(openings);
+    mesh.transmissivity_of_part = network.transmissivity();
     FlowMeshBoundary drained{.file = "flow_mesh_drained.ex", .surfaces = {}, .level = {}};
     for (std::size_t s = 0; s < out_.surfaces.size(); ++s) {
       FlowMeshBoundary own{
@@ -182,10 +183,11 @@ class FlowRun {
       if (!own.held.empty()) mesh.boundaries.push_back(std::move(own));
     }
     if (!drained.held.empty()) mesh.boundaries.push_back(std::move(drained));
+    return {};
   }
   /// The mean of a^2 / 12 over the water in wet joints: areas are those of the joints where all are alike.
-  [[nodiscard]] Area reference_permeability(const flow::Network& network, std::span<const Length> openings) const {
-    const flow::Flow& f = *out_.flow;
+  [[nodiscard]] Area reference_permeability(const flow::Flow& f, const flow::Network& network,
+                                            std::span<const Length> openings) const {
     double passes = 0, volume = 0;
     for (std::size_t t = 0; t < f.mesh.triangles.size(); ++t) {
       if (f.wet[t] == 0) continue;
@@ -230,7 +232,8 @@ class FlowRun {
                             "not {:.3g}): raise max_triangles, or the tolerance",
                             f.mesh.triangles.size(), last.pressures, settings_.tolerance));
     }
-    if (f.status == flow::FlowStatus::unsettled) {
+    if (f.status == flow::FlowStatus::unsettled ||
+        (out_.mesh && out_.mesh->flow.status == flow::FlowStatus::unsettled)) {
       out_.notes.emplace_back(
           "[flow]: where water comes out of drained surfaces and where they stay dry was not settled: the rates are "
           "those "
@@ -300,6 +303,7 @@ class FlowRun {
 
   const Scene& scene_;
   const FlowSettings& settings_;
+  bool writes_mesh_;
   const SampledScene& drawn_;
   const topology::BlockComplex& complex_;
   flow::JointSurfaces surfaces_;
@@ -310,8 +314,8 @@ class FlowRun {
 }  // namespace
 
 std::expected<FlowResult, Problem> run_flow(const Scene& scene, const SampledScene& drawn,
-                                            const topology::BlockComplex& complex) {
-  return FlowRun{scene, drawn, complex}.run();
+                                            const topology::BlockComplex& complex, Detail detail) {
+  return FlowRun{scene, drawn, complex, detail}.run();
 }
 
 }  // namespace cleave::scene

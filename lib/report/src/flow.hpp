@@ -27,7 +27,7 @@ struct FlowMeshHead {
 template <class V>
 void fields(V& v, const FlowMeshHead& x) {
   v("node", x.node, "number from 1, as in `flow_mesh.uge`");
-  v("surface", x.surface, "of several a drained one");
+  v("surface", x.surface, "of several the first with standing water");
   v("file", x.file, "that has it");
   v("head_m", x.head, "z to which water stands, or of the node where it is drained");
   v("pressure_head_m", x.pressure, "head less z");

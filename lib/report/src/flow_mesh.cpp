@@ -168,7 +168,7 @@ class MeshText {
   [[nodiscard]] Vec3 place(std::size_t cell) const { return flow_.origin + cells_.cells[cell].at; }
   [[nodiscard]] double head(std::size_t cell) const { return flow_.origin.z + cells_.cells[cell].head.si(); }
   [[nodiscard]] std::uint32_t part_of(std::size_t triangle) const {
-    return flow_.flow->mesh.part[cells_.triangle_of[triangle]];
+    return mesh_.flow.mesh.part[cells_.triangle_of[triangle]];
   }
   [[nodiscard]] std::uint32_t joint_of(std::size_t triangle) const {
     return flow_.joint_of_part[part_of(triangle)].value();

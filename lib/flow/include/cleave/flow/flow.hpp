@@ -101,10 +101,6 @@ struct FlowOptions {
   /// Heads of pressure are used: it is also refined until `FlowRound::pressures` is no more than the tolerance.
   bool pressures = false;
   std::size_t most_triangles = 1'000'000;
-  /// The last mesh is made one for two-point fluxes, and solved again: sides are turned until no flat piece has two
-  /// angles across a side that add up to more than half a turn (Lawson 1977), and what no turn mends (obtuse angles
-  /// across from lines in which joints meet, and from borders) is split in the middle.
-  bool two_point = false;
 };
 
 /// Different heads stand side by side: the rate between them has no bound. One of the two surfaces ends there, or is
@@ -152,7 +148,9 @@ struct Flow {
   std::vector<SurfaceFlow> surfaces = {};
   std::vector<FlowRate> out_of_border = {};            ///< of each of the mesh's borders
   std::vector<std::uint32_t> triangle_of_border = {};  ///< one that lies there
-  std::vector<std::uint8_t> open = {};                 ///< of each border: water passes, and its head is given
+  std::vector<std::uint8_t> open = {};                 ///< of each border: water passes, at balanced rates
+  /// Of each triangle's corners: continuous heads are given there, by standing water or as z where water comes out.
+  std::vector<std::array<std::uint8_t, 3>> held = {};
   Rate drained = {};                                   ///< out of all drained surfaces
   Area wet_area = {}, area = {};                       ///< of joints
   double residual = 0;                                 ///< of the equations, relative, the largest
@@ -166,6 +164,13 @@ struct Flow {
 [[nodiscard]] std::expected<Flow, FlowError> solve(const Network& network, const FlowOptions& options = {});
 
 // ---- For programs that send water from cell to cell ----------------------------------------------------------------
+
+/// The same water on a mesh for two-point fluxes, made from that of `flow`: sides are turned until no flat piece has
+/// two angles across a side that add up to more than half a turn (Lawson 1977), and what no turn mends (obtuse angles
+/// across from lines in which joints meet, and from borders) is split in the middle, in a few passes and to no more
+/// than a few triangles beyond `most_triangles`. Its bounds are its own.
+[[nodiscard]] std::expected<Flow, FlowError> solve_for_two_points(const Network& network, const Flow& flow,
+                                                                  std::size_t most_triangles = 1'000'000);
 
 /// The water around a corner of the mesh: a third of each triangle there.
 struct FlowCell {
@@ -182,12 +187,13 @@ struct FlowConnection {
 /// A cell whose head is given.
 struct HeldCell {
   std::uint32_t cell;
-  std::uint32_t surface;  ///< of several a drained one; the first
+  std::uint32_t surface;  ///< of several the first with standing water
   FlowRate out = {};      ///< that the cells around send it, at the heads of the Flow
 };
 
 /// What is wet of a mesh as cells about its corners. Sums over connections are the equations of heads that are linear
-/// in triangles, to the last digit: a program of two-point fluxes finds these heads.
+/// in triangles, to the last digit: a program of two-point fluxes that is given the heads of held cells finds all.
+/// Of drained surfaces those cells are held that water comes out of; the others are closed, and no head is above z.
 struct FlowCells {
   std::vector<FlowCell> cells = {};
   std::vector<std::array<std::uint32_t, 3>> triangles = {};  ///< the cells at their corners
