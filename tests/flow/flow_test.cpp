@@ -356,6 +356,34 @@ TEST(FlowTest, HeadsThatMeetAreRefused) {
   EXPECT_TRUE(through.surfaces[good.of_excavation(0)].bounds.has_value());
 }
 
+TEST(FlowTest, HeadsThatMeetInAnEdgeOfTheRockAreRefused) {
+  // From the edge between west and south to that between east and north, 5 m long.
+  const auto input = scene(room(), {joint({{-4, -3, 0}, {8, 6, 0}, {8, 6, 2}, {-4, -3, 2}})});
+  const auto passes = [&](std::map<std::uint32_t, flow::Surface> sides) {
+    const auto built = build(input, {.sides = std::move(sides), .transmissivity = {2e-5}});
+    const Flow flow = solved(built.network);
+    double sum = 0;
+    for (const auto& surface : flow.surfaces) sum += std::max(surface.out.si(), 0.0);
+    return sum;
+  };
+  const double exact = 2e-5 * 2 * (9 - 7) / 5;
+  // The one that water passes counts, whichever it is.
+  for (const Tag high : {west, south}) {
+    for (const Tag low : {east, north}) EXPECT_NEAR(passes({{high, at(9)}, {low, at(7)}}), exact, 1e-15);
+  }
+  EXPECT_NEAR(passes({{west, at(9)}, {south, at(9)}, {north, at(7)}}), exact, 1e-15) << "of one head they may meet";
+  EXPECT_NEAR(passes({{west, at(9)}, {south, at(0)}, {north, at(7)}}), exact, 1e-15) << "south is dry there";
+  for (const flow::Surface& other : {flow::Surface{at(1)}, flow::Surface{Drained{}}}) {
+    try {
+      passes({{west, at(9)}, {south, other}});
+      FAIL() << "two heads in one edge";
+    } catch (const flow::HeadsMeet& meet) {
+      EXPECT_NEAR(std::abs(meet.head - meet.other_head), std::holds_alternative<Drained>(other) ? 9 : 8, 1e-12);
+      EXPECT_NE(meet.surface, meet.other);
+    }
+  }
+}
+
 TEST(FlowTest, WhatIsNoNetworkIsRefused) {
   const auto good = [] {
     flow::NetworkSpec spec;

@@ -55,6 +55,16 @@ inline Built build(topology::CutInput input, const Water& water) {
   auto complex = certified(input).complex();
   const double up = complex.origin().z;
   flow::JointSurfaces surfaces = flow::surfaces_of(*complex.network());
+  std::vector<flow::Surface> conditions;
+  for (const auto& surface : surfaces.surfaces) {
+    const auto given = surface.tag ? water.sides.find(*surface.tag) : water.sides.end();
+    flow::Surface condition = surface.excavation           ? water.excavation
+                              : given != water.sides.end() ? given->second
+                                                           : flow::Surface{Closed{}};
+    if (auto* standing = std::get_if<Standing>(&condition)) standing->level = standing->level - metres(up);
+    conditions.push_back(condition);
+  }
+  if (const auto settled = flow::settle_edges(complex, conditions, surfaces); !settled) throw settled.error();
   flow::NetworkSpec spec{.mesh = flow::mesh_of(complex, surfaces)};
   for (const auto& piece : complex.network()->pieces) {
     double sum = 0;
@@ -63,14 +73,7 @@ inline Built build(topology::CutInput input, const Water& water) {
     }
     spec.transmissivity.push_back(Transmissivity::from_si(sum));
   }
-  for (const auto& surface : surfaces.surfaces) {
-    const auto given = surface.tag ? water.sides.find(*surface.tag) : water.sides.end();
-    flow::Surface condition = surface.excavation           ? water.excavation
-                              : given != water.sides.end() ? given->second
-                                                           : flow::Surface{Closed{}};
-    if (auto* standing = std::get_if<Standing>(&condition)) standing->level = standing->level - metres(up);
-    spec.surfaces.push_back(condition);
-  }
+  spec.surfaces = std::move(conditions);
   auto network = flow::Network::make(std::move(spec));
   if (!network) throw std::runtime_error{describe(network.error())};
   return {*std::move(network), std::move(surfaces), std::move(complex)};

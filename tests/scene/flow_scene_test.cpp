@@ -127,6 +127,24 @@ double sent_to(const FlowMesh& mesh, std::string_view file) {
   return sum;
 }
 
+TEST(FlowScene, HeadsThatMeetInAnEdgeOfTheDomainAreRefusedWithTheNamesOfItsSides) {
+  const std::string upright =
+      "[[joint]]\npolygon = [[0, 0, 0], [8, 8, 0], [8, 8, 6], [0, 0, 6]]\n" + aperture + "[flow]\n";
+  const auto side = [](const std::string& face, const std::string& level) {
+    return "[[flow.side]]\nface = \"" + face + "\"\n" + level + "\n";
+  };
+  const std::string east = side("east", "level = 7");
+  const std::string error = error_of(with_box(upright + side("west", "level = 9") + side("south", "level = 8") + east));
+  EXPECT_TRUE(error.contains("\"west\" (9 m)") && error.contains("\"south\" (8 m)")) << error;
+  EXPECT_TRUE(error.contains("close one of the two")) << error;
+  // Of a closed side and one with water the water counts.
+  const double exact = cubic * 1e-9 * 6 * (9 - 7) / std::sqrt(128.0);
+  for (const std::string high : {"west", "south"}) {
+    const auto result = run_of(with_box(upright + side(high, "level = 9") + east));
+    EXPECT_NEAR(surface(result, "east").passed->out.si(), exact, 1e-11 * exact) << high;
+  }
+}
+
 TEST(FlowScene, MeshesForOtherProgramsPassWhatTheBoundsSay) {
   const std::string exports = "[flow]\nexports = [\"pflotran\"]\n";
   const auto result = run_of(with_box(level_joint(3) + aperture + exports + across));

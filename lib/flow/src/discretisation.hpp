@@ -13,6 +13,8 @@ namespace cleave::flow {
 
 using Index = std::uint32_t;
 inline constexpr Index none = UINT32_MAX;
+/// Heads that differ by less, of the extent of the network, are one.
+inline constexpr double same_head = 1e-9;
 
 /// m, along the axis in which it is largest.
 [[nodiscard]] inline double extent_of(const Mesh& mesh) noexcept {

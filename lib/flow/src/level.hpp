@@ -25,9 +25,6 @@ namespace cleave::flow {
 
 using Column = Eigen::Index;
 
-/// Heads that differ by less, of the extent of the network, are one.
-inline constexpr double same_head = 1e-9;
-
 /// A mesh with what is open on its borders, solved.
 class Level final {
  public:

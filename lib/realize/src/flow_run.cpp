@@ -72,6 +72,10 @@ class FlowRun {
 
   std::expected<FlowResult, Problem> run() {
     out_.origin = complex_.origin();
+    find_conditions();
+    if (auto settled = flow::settle_edges(complex_, conditions_, surfaces_); !settled) {
+      return std::unexpected(refused(settled.error()));
+    }
     out_.connectivity = flow::connectivity(complex_, surfaces_);
     for (const topology::JointPiece& piece : complex_.network()->pieces) {
       out_.joint_of_part.push_back(piece.joints.front());

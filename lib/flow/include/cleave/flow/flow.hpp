@@ -220,9 +220,15 @@ struct RockSurface {
 /// Where the joints of a cut end on surfaces of the rock: those that any reaches, domain sides before excavations.
 struct JointSurfaces {
   std::vector<RockSurface> surfaces;
-  std::vector<std::uint32_t> of_border;  ///< of each of JointNetwork::borders
+  std::vector<std::uint32_t> of_border;                              ///< of each of JointNetwork::borders
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> others = {};  ///< border, one more surface there
 };
 [[nodiscard]] JointSurfaces surfaces_of(const topology::JointNetwork& network);
+
+/// Borders that lie in an edge of the rock become those of the surface there that water passes, if any; `conditions`
+/// are those of the surfaces. Two that would give water different heads are refused.
+[[nodiscard]] std::expected<void, HeadsMeet> settle_edges(const topology::BlockComplex& complex,
+                                                          std::span<const Surface> conditions, JointSurfaces& surfaces);
 
 /// The mesh of a cut that was made with CutInput::keep_network: parts are its pieces. Points are in m relative to the
 /// complex's origin, and so are heads. Sides shorter than 1e-11 of the network's extent, whose direction positions in
