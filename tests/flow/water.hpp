@@ -79,9 +79,8 @@ inline Built build(topology::CutInput input, const Water& water) {
   return {*std::move(network), std::move(surfaces), std::move(complex)};
 }
 
-inline Flow solved(const flow::Network& network, double tolerance = 0.01, bool two_point = false) {
+inline Flow solved(const flow::Network& network, double tolerance = 0.01) {
   auto flow = flow::solve(network, {.tolerance = tolerance});
-  if (flow && two_point) flow = flow::solve_for_two_points(network, *flow);
   if (!flow) throw std::runtime_error{describe(flow.error())};
   EXPECT_LT(flow->residual, 1e-12);
   EXPECT_LT(flow->imbalance, 1e-9);

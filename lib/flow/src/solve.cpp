@@ -1,6 +1,5 @@
 #include "cleave/flow/flow.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -77,17 +76,8 @@ std::expected<Flow, FlowError> solve_for_two_points(const Network& network, cons
   std::vector<std::uint8_t> open = flow.open;
   make_two_point(mesh, network, open, most_triangles);
   Level level{mesh, network, open};
-  CLEAVE_CHECK(level.settle());
-  CLEAVE_CHECK(level.bound());
-  FlowRound round{.triangles = mesh.triangles.size(), .width = level.width_of(level.groups(level.drains()))};
-  if (level.drains()) {
-    CLEAVE_CHECK(level.bound_above());
-    round.width = std::max(round.width, level.width_of_drained());
-  }
-  Flow made = level.result();
-  made.rounds = {round};
-  made.status = level.settled() ? FlowStatus::converged : FlowStatus::unsettled;
-  return made;
+  CLEAVE_CHECK(level.settle_continuous());
+  return level.heads();
 }
 
 std::string describe(const FlowError& error) {

@@ -80,7 +80,6 @@ class FlowRun {
     for (const topology::JointPiece& piece : complex_.network()->pieces) {
       out_.joint_of_part.push_back(piece.joints.front());
     }
-    find_conditions();
     for (const auto& [a, b] : out_.connectivity.percolates) {
       out_.percolates.push_back({out_.surfaces[a].name, out_.surfaces[b].name});
       const auto tags = std::minmax(surfaces_.surfaces[a].tag, surfaces_.surfaces[b].tag);

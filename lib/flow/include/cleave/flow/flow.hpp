@@ -151,10 +151,10 @@ struct Flow {
   std::vector<std::uint8_t> open = {};                 ///< of each border: water passes, at balanced rates
   /// Of each triangle's corners: continuous heads are given there, by standing water or as z where water comes out.
   std::vector<std::array<std::uint8_t, 3>> held = {};
-  Rate drained = {};                                   ///< out of all drained surfaces
-  Area wet_area = {}, area = {};                       ///< of joints
-  double residual = 0;                                 ///< of the equations, relative, the largest
-  double imbalance = 0;                                ///< of all rates, of the sum of their sizes
+  Rate drained = {};              ///< out of all drained surfaces
+  Area wet_area = {}, area = {};  ///< of joints
+  double residual = 0;            ///< of the equations, relative, the largest
+  double imbalance = 0;           ///< of all rates, of the sum of their sizes
   std::vector<FlowRound> rounds = {};
   FlowStatus status = FlowStatus::converged;
 };
@@ -167,8 +167,8 @@ struct Flow {
 
 /// The same water on a mesh for two-point fluxes, made from that of `flow`: sides are turned until no flat piece has
 /// two angles across a side that add up to more than half a turn (Lawson 1977), and what no turn mends (obtuse angles
-/// across from lines in which joints meet, and from borders) is split in the middle, in a few passes and to no more
-/// than a few triangles beyond `most_triangles`. Its bounds are its own.
+/// across from lines in which joints meet, and from borders) is split in the middle, in a few passes. `flow` has come
+/// from `solve`. Continuous heads alone: no rates and no bounds, those of `flow` hold.
 [[nodiscard]] std::expected<Flow, FlowError> solve_for_two_points(const Network& network, const Flow& flow,
                                                                   std::size_t most_triangles = 1'000'000);
 

@@ -98,7 +98,7 @@ void fields(V& v, const FlowMeshBoundary& x) {
 
 /// The mesh as cells, for programs of two-point fluxes.
 struct FlowMesh {
-  flow::Flow flow = {};  ///< on its triangles
+  flow::Flow flow = {};  ///< on its triangles: heads alone
   flow::FlowCells cells = {};
   Area permeability = {};  ///< of all cells
   Transmissivity viscosity = {};
@@ -115,12 +115,9 @@ struct FlowMesh {
 };
 template <class V>
 void fields(V& v, const FlowMesh& x) {
-  const flow::Rate& inflow = x.flow.drained;
   v("triangles", x.flow.mesh.triangles.size(), "of joints, dry ones too");
   v("cells", x.cells.cells.size(), "about corners of triangles");
   v("connections", x.cells.connections.size());
-  v("inflow_low_m3_s", FlowRate::from_si(inflow.low), "bounds of the inflow of the joints, found on this mesh");
-  v("inflow_high_m3_s", FlowRate::from_si(inflow.high));
   v("negative", x.cells.negative, "connections whose area is below 0");
   v("negative_share", x.cells.negative_share, "of the sum of the sizes of all conductances");
   v("volume_m3", x.volume(), "of water in wet joints");
