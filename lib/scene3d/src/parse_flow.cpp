@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string_view>
+#include <variant>
 
 #include "cleave/scene3d/key_tables.hpp"
 #include "context.hpp"
@@ -41,6 +42,18 @@ void parse_exports(const TableReader& table, bool ensemble, FlowSettings& settin
     table.note("exports", "writes the mesh of one network, and an ensemble has many",
                "cleave replay writes that of a realization");
   }
+}
+
+/// Whether [joints] says something of it, right or wrong.
+bool states_aperture(const TableReader& root, std::string_view set) {
+  const TomlEntry* joints = root.find("joints");
+  const auto* tables = joints != nullptr ? std::get_if<TomlTable>(&joints->node.value) : nullptr;
+  if (tables == nullptr) return false;
+  return std::ranges::any_of(tables->entries, [&](const TomlEntry& entry) {
+    const auto* table = std::get_if<TomlTable>(&entry.node.value);
+    return (entry.key == set || entry.key == "default") && table != nullptr &&
+           std::ranges::find(table->entries, "aperture", &TomlEntry::key) != table->entries.end();
+  });
 }
 
 void parse_side(const TableReader& table, const std::optional<geometry::Solid>& domain, FlowSettings& settings) {
@@ -95,7 +108,7 @@ std::optional<FlowSettings> parse_flow(const TableReader& root, const Context& c
   parse_exports(table, root.has("monte_carlo"), settings);
   if (!settings.flows()) return settings;
   for (const SetId set : used) {
-    if (context.sets[set].properties.aperture) continue;
+    if (context.sets[set].properties.aperture || states_aperture(root, context.sets[set].name)) continue;
     table.problems().error(table.line(), "joints." + context.sets[set].name + ".aperture",
                            "is missing, and water flows in all joints",
                            "give every set an aperture in m, or one for all: [joints.default] aperture = 1e-4");
