@@ -78,6 +78,17 @@ TEST_F(FlowMeshTest, OneJointIsDarcysLawInItsFiles) {
   const std::string ucd = read("out/flow_mesh.inp");
   EXPECT_TRUE(ucd.starts_with(std::to_string(cells.size()) + " ")) << ucd;
   EXPECT_TRUE(ucd.contains("\n1 1 tri ")) << "joint 0 is material 1";
+  // High up, where points are kept relative to a place nearby.
+  write("high.toml",
+        "schema = 1\n[domain]\nbox = { min = [0, 0, 4000], max = [8, 6, 4006] }\n"
+        "[[joint]]\nplane = { through = [4, 3, 4002], dip = 0, dip_direction = 0 }\n[joints.default]\naperture = 1e-3\n"
+        "[flow]\nexports = [\"pflotran\"]\n[[flow.side]]\nface = \"west\"\nlevel = 4010\n"
+        "[[flow.side]]\nface = \"east\"\nlevel = 4007\n");
+  const Ended high = cleave("run high.toml --quiet -o high");
+  ASSERT_EQ(high.code, 0) << high.err;
+  EXPECT_TRUE(read("high/flow_mesh_heads.csv").contains(",west,flow_mesh_standing_0.ex,4010,8\n"));
+  EXPECT_TRUE(read("high/flow_mesh.in").contains("DATUM 0 0 4010\n  LIQUID_PRESSURE 101325\n"));
+  for (const auto& cell : rows("high/flow_mesh.uge", "CELLS")) EXPECT_EQ(cell[3], 4002);
   // The files are ours: a run may take their place.
   EXPECT_EQ(cleave("run level.toml --quiet -o out").code, 0);
 }

@@ -227,6 +227,20 @@ TEST(CellsTest, WaterIsHeldAtItsHeightWhereItSeepsOutAndNowhereElse) {
   }
 }
 
+TEST(CellsTest, WaterIsHeldWhereContinuousHeadsReachIt) {
+  // Two triangles: the middle of the only drained side lies above the water, so balanced rates leave nowhere; its foot
+  // lies below.
+  const auto network = seeping(2);
+  const Flow flow = flow::solve(network, {.tolerance = 1e-6, .most_triangles = 2}).value();
+  ASSERT_EQ(flow.mesh.triangles.size(), 3U) << "the level splits the side with the water";
+  const std::array openings{metres(1e-3)};
+  const FlowCells cells = flow::cells_of(flow, network, openings);
+  expect_the_same_heads(cells);
+  EXPECT_EQ(flow.drained.low, 0);
+  EXPECT_GT(out_of(cells, 0), 0);
+  EXPECT_LE(out_of(cells, 0), flow.drained.high);
+}
+
 TEST(CellsTest, StandingWaterHoldsNothingAboveItself) {
   const auto built = build(scene(room(), {rectangle(1, 1, {-1, -1}, {5, 5})}),
                            {.sides = {{west, at(1)}, {top, at(5)}}, .transmissivity = {1e-6}});

@@ -400,10 +400,12 @@ TEST(FlowScene, RealizationsAreTheirReplays) {
   }
   EXPECT_GT(meshes, 0U);
   StageTimer timer;
-  realize(scene, nullptr, 0, 3, timer, [](std::uint64_t, const Realization* r) {
-    ASSERT_TRUE(r != nullptr && r->flow);
-    EXPECT_FALSE(r->flow->mesh.has_value()) << "nobody sees it";
-  });
+  for (std::uint64_t k = 0; k < 6; ++k) {
+    realize(scene, nullptr, k, 1, timer, [](std::uint64_t, const Realization* r) {
+      ASSERT_TRUE(r != nullptr && r->flow);
+      EXPECT_FALSE(r->flow->mesh.has_value()) << "nobody sees it";
+    });
+  }
   const Scene without = scene_of(dry);
   for (const stochastic::Record& r : records_of(without, 6)) dry_volume += r.all.volume_m3;
   EXPECT_GT(wet_volume, dry_volume) << "the pressures act";
