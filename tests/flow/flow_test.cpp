@@ -12,85 +12,13 @@
 
 #include "cleave/flow/flow.hpp"
 #include "cleave/geometry/tunnel.hpp"
-#include "complexes.hpp"
+#include "water.hpp"
 #include "workloads.hpp"
 
 // Steady flow in networks of joints: closed forms, published capacitances, and that the bounds hold.
 
 namespace cleave::testing {
 namespace {
-
-using flow::Closed;
-using flow::Drained;
-using flow::Flow;
-using flow::FlowStatus;
-using flow::Standing;
-
-/// Sides of make_box by their tags.
-enum Tag : std::uint32_t { west, east, south, north, bottom, top };
-
-Standing at(double level) { return {metres(level)}; }
-
-struct Water {
-  std::map<std::uint32_t, flow::Surface> sides = {};  ///< by tag; others are closed
-  flow::Surface excavation = Drained{};
-  std::vector<double> transmissivity = {};  ///< of joints by number; 1e-6 m2/s where there is none
-};
-
-struct Built {
-  flow::Network network;
-  flow::JointSurfaces surfaces;
-  topology::BlockComplex complex;
-
-  [[nodiscard]] std::size_t of_tag(std::uint32_t tag) const {
-    for (std::size_t s = 0; s < surfaces.surfaces.size(); ++s) {
-      if (surfaces.surfaces[s].tag == tag) return s;
-    }
-    throw std::runtime_error{"no joint reaches that side"};
-  }
-  [[nodiscard]] std::size_t of_excavation(std::uint32_t excavation) const {
-    for (std::size_t s = 0; s < surfaces.surfaces.size(); ++s) {
-      if (surfaces.surfaces[s].excavation == excavation) return s;
-    }
-    throw std::runtime_error{"no joint reaches that excavation"};
-  }
-};
-
-Built build(topology::CutInput input, const Water& water) {
-  input.keep_network = true;
-  auto complex = certified(input).complex();
-  const double up = complex.origin().z;
-  flow::JointSurfaces surfaces = flow::surfaces_of(*complex.network());
-  flow::NetworkSpec spec{.mesh = flow::mesh_of(complex, surfaces)};
-  for (const auto& piece : complex.network()->pieces) {
-    double sum = 0;
-    for (const auto joint : piece.joints) {
-      sum += joint.index() < water.transmissivity.size() ? water.transmissivity[joint.index()] : 1e-6;
-    }
-    spec.transmissivity.push_back(Transmissivity::from_si(sum));
-  }
-  for (const auto& surface : surfaces.surfaces) {
-    const auto given = surface.tag ? water.sides.find(*surface.tag) : water.sides.end();
-    flow::Surface condition = surface.excavation           ? water.excavation
-                              : given != water.sides.end() ? given->second
-                                                           : flow::Surface{Closed{}};
-    if (auto* standing = std::get_if<Standing>(&condition)) standing->level = standing->level - metres(up);
-    spec.surfaces.push_back(condition);
-  }
-  auto network = flow::Network::make(std::move(spec));
-  if (!network) throw std::runtime_error{describe(network.error())};
-  return {*std::move(network), std::move(surfaces), std::move(complex)};
-}
-
-Flow solved(const flow::Network& network, double tolerance = 0.01) {
-  auto flow = flow::solve(network, {.tolerance = tolerance});
-  if (!flow) throw std::runtime_error{describe(flow.error())};
-  EXPECT_LT(flow->residual, 1e-12);
-  EXPECT_LT(flow->imbalance, 1e-9);
-  return *std::move(flow);
-}
-
-geometry::Solid room() { return box({0, 0, 0}, {4, 3, 2}); }
 
 TEST(FlowTest, OneJointIsDarcysLaw) {
   const auto built = build(scene(room(), {rectangle(2, 1, {-1, -1}, {5, 5})}),
@@ -295,18 +223,6 @@ TEST(FlowTest, WaterComesOutOfDrainedSurfacesAndNeverGoesIn) {
   EXPECT_NEAR(none.imbalance, 0, 1e-9);
 }
 
-/// An upright joint 10 m wide and 10 m high of two triangles: water stands in the west, the east side is drained.
-flow::Network seeping(double level) {
-  flow::NetworkSpec spec;
-  spec.mesh = {.points = {{0, 0, 0}, {10, 0, 0}, {10, 0, 10}, {0, 0, 10}},
-               .triangles = {{0, 1, 2}, {0, 2, 3}},
-               .part = {0, 0},
-               .borders = {{{1, 2}, 0}, {{3, 0}, 1}}};
-  spec.transmissivity = {Transmissivity::from_si(1)};
-  spec.surfaces = {Drained{}, at(level)};
-  return flow::Network::make(std::move(spec)).value();
-}
-
 TEST(FlowTest, WaterSeepsOutWhereTheFirstMeshHasNoSide) {
   // The only drained side of the first mesh has its middle above the water; water comes out at its foot all the same.
   // Values of fine meshes. Finite differences on grids of 20, 40 and 80 cells a side come down to them: 1.4075, 1.3974,
@@ -438,6 +354,34 @@ TEST(FlowTest, HeadsThatMeetAreRefused) {
   const Flow through = solved(good.network);
   EXPECT_FALSE(through.surfaces[good.of_tag(west)].bounds.has_value());
   EXPECT_TRUE(through.surfaces[good.of_excavation(0)].bounds.has_value());
+}
+
+TEST(FlowTest, HeadsThatMeetInAnEdgeOfTheRockAreRefused) {
+  // From the edge between west and south to that between east and north, 5 m long.
+  const auto input = scene(room(), {joint({{-4, -3, 0}, {8, 6, 0}, {8, 6, 2}, {-4, -3, 2}})});
+  const auto passes = [&](std::map<std::uint32_t, flow::Surface> sides) {
+    const auto built = build(input, {.sides = std::move(sides), .transmissivity = {2e-5}});
+    const Flow flow = solved(built.network);
+    double sum = 0;
+    for (const auto& surface : flow.surfaces) sum += std::max(surface.out.si(), 0.0);
+    return sum;
+  };
+  const double exact = 2e-5 * 2 * (9 - 7) / 5;
+  // The one that water passes counts, whichever it is.
+  for (const Tag high : {west, south}) {
+    for (const Tag low : {east, north}) EXPECT_NEAR(passes({{high, at(9)}, {low, at(7)}}), exact, 1e-15);
+  }
+  EXPECT_NEAR(passes({{west, at(9)}, {south, at(9)}, {north, at(7)}}), exact, 1e-15) << "of one head they may meet";
+  EXPECT_NEAR(passes({{west, at(9)}, {south, at(0)}, {north, at(7)}}), exact, 1e-15) << "south is dry there";
+  for (const flow::Surface& other : {flow::Surface{at(1)}, flow::Surface{Drained{}}}) {
+    try {
+      passes({{west, at(9)}, {south, other}});
+      FAIL() << "two heads in one edge";
+    } catch (const flow::HeadsMeet& meet) {
+      EXPECT_NEAR(std::abs(meet.head - meet.other_head), std::holds_alternative<Drained>(other) ? 9 : 8, 1e-12);
+      EXPECT_NE(meet.surface, meet.other);
+    }
+  }
 }
 
 TEST(FlowTest, WhatIsNoNetworkIsRefused) {

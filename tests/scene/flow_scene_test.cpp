@@ -111,6 +111,106 @@ TEST(FlowScene, WithoutALevelOnlyWhatHangsTogether) {
   EXPECT_FALSE(result.flow->joints[0].aperture.has_value());
 }
 
+/// By what is in the files alone: what leaves through a boundary, from connections and heads.
+double sent_to(const FlowMesh& mesh, std::string_view file) {
+  const auto boundary = std::ranges::find(mesh.boundaries, file, &FlowMeshBoundary::file);
+  if (boundary == mesh.boundaries.end()) throw std::runtime_error{"no such file"};
+  std::vector<std::uint8_t> in(mesh.cells.cells.size(), 0);
+  for (const std::uint32_t h : boundary->held) in[mesh.cells.held[h].cell] = 1;
+  double sum = 0;
+  for (const flow::FlowConnection& c : mesh.cells.connections) {
+    const double passes =
+        c.conductance.si() * (mesh.cells.cells[c.cells[0]].head - mesh.cells.cells[c.cells[1]].head).si();
+    sum += (in[c.cells[1]] - in[c.cells[0]]) * passes;
+  }
+  EXPECT_NEAR(sum, boundary->out.si(), 1e-12 * std::abs(sum));
+  return sum;
+}
+
+TEST(FlowScene, HeadsThatMeetInAnEdgeOfTheDomainAreRefusedWithTheNamesOfItsSides) {
+  const std::string upright =
+      "[[joint]]\npolygon = [[0, 0, 0], [8, 8, 0], [8, 8, 6], [0, 0, 6]]\n" + aperture + "[flow]\n";
+  const auto side = [](const std::string& face, const std::string& level) {
+    return "[[flow.side]]\nface = \"" + face + "\"\n" + level + "\n";
+  };
+  const std::string east = side("east", "level = 7");
+  StageTimer timer;
+  Progress progress{ProgressStyle::quiet};
+  const auto refused = run(scene_of(with_box(upright + side("west", "level = 9") + side("south", "level = 8") + east)),
+                           {}, timer, progress);
+  ASSERT_FALSE(refused.has_value());
+  const std::string error = describe(refused.error().front());
+  EXPECT_TRUE(error.contains("\"west\" (9 m)") && error.contains("\"south\" (8 m)")) << error;
+  EXPECT_TRUE(error.contains("close one of the two")) << error;
+  // Of a closed side and one with water the water counts.
+  const double exact = cubic * 1e-9 * 6 * (9 - 7) / std::sqrt(128.0);
+  for (const std::string high : {"west", "south"}) {
+    const auto result = run_of(with_box(upright + side(high, "level = 9") + east));
+    EXPECT_NEAR(surface(result, "east").passed->out.si(), exact, 1e-11 * exact) << high;
+  }
+}
+
+TEST(FlowScene, MeshesForOtherProgramsPassWhatTheBoundsSay) {
+  const std::string exports = "[flow]\nexports = [\"pflotran\"]\n";
+  const auto result = run_of(with_box(level_joint(3) + aperture + exports + across));
+  ASSERT_TRUE(result.flow && result.flow->mesh);
+  const FlowMesh& mesh = *result.flow->mesh;
+  const double exact = cubic * 1e-9 * (9 - 7);
+  ASSERT_EQ(mesh.boundaries.size(), 2U);
+  EXPECT_EQ(mesh.boundaries[0].file, "flow_mesh_standing_0.ex");
+  EXPECT_EQ(mesh.boundaries[0].surfaces, std::vector<std::string>{"west"});
+  EXPECT_DOUBLE_EQ(mesh.boundaries[0].level->si(), 9);
+  EXPECT_NEAR(sent_to(mesh, mesh.boundaries[0].file), -exact, 1e-12 * exact);
+  EXPECT_NEAR(sent_to(mesh, mesh.boundaries[1].file), exact, 1e-12 * exact);
+  EXPECT_NEAR(mesh.volume().si(), 64e-3, 1e-15);
+  EXPECT_NEAR(mesh.permeability.si(), 1e-6 / 12, 1e-19) << "of one aperture: that of parallel walls";
+  EXPECT_NEAR(mesh.conductivity().si() * 1e-3, cubic * 1e-9, 1e-15);
+  // Joints on one another hold both their waters. Apertures that differ: the mean over the water.
+  const std::string both = level_joint(3, "set = \"A\"\n") + level_joint(3, "set = \"B\"\n") + aperture;
+  const auto lying = run_of(with_box(both + "[joints.B]\naperture = 3e-3\n" + exports + across));
+  EXPECT_NEAR(lying.flow->mesh->volume().si(), 64 * 4e-3, 1e-14);
+  EXPECT_NEAR(lying.flow->mesh->permeability.si(), (1e-9 + 27e-9) / 4e-3 / 12, 1e-18);
+  EXPECT_NEAR(sent_to(*lying.flow->mesh, "flow_mesh_standing_1.ex"), 28 * exact, 1e-11 * exact);
+  const auto adit = run_of(with_box(level_joint(3) + aperture + tunnel + exports + "level = 20\n"));
+  const FlowMesh& drawn = *adit.flow->mesh;
+  EXPECT_EQ(drawn.boundaries.back().file, "flow_mesh_drained.ex");
+  EXPECT_EQ(drawn.boundaries.back().surfaces, std::vector<std::string>{"adit"});
+  EXPECT_FALSE(drawn.boundaries.back().level.has_value());
+  const flow::Rate inflow = adit.flow->flow->drained;
+  EXPECT_GE(sent_to(drawn, "flow_mesh_drained.ex"), inflow.low * (1 - 1e-9));
+  EXPECT_LE(sent_to(drawn, "flow_mesh_drained.ex"), inflow.high * (1 + 1e-9));
+  EXPECT_FALSE(run_of(with_box(level_joint(3) + aperture + exports + "level = 1\n")).flow->mesh.has_value());
+  EXPECT_FALSE(run_of(with_box(level_joint(3) + aperture + "[flow]\n" + across)).flow->mesh.has_value());
+}
+
+TEST(FlowScene, MeshesForOtherProgramsHoldDrainedSurfacesWhereWaterComesOut) {
+  // An upright joint through an adit: water comes out of its floor and lower walls alone.
+  const std::string upright = "[[joint]]\nplane = { through = [4, 4, 3], dip = 90, dip_direction = 0 }\n";
+  const auto result = run_of(with_box(upright + aperture + tunnel + "[flow]\nlevel = 3\nexports = [\"pflotran\"]\n"));
+  const FlowMesh& mesh = result.flow->mesh.value();
+  const flow::Rate& inflow = result.flow->flow->drained;
+  const double found = sent_to(mesh, "flow_mesh_drained.ex");
+  EXPECT_GT(surface(result, "adit").passed->dry_length.si(), 0);
+  EXPECT_GT(found, 0);
+  ASSERT_EQ(mesh.cells.negative, 0U);
+  EXPECT_GE(found, inflow.low);
+  EXPECT_LE(found, inflow.high);
+  for (const flow::HeldCell& held : mesh.cells.held) {
+    EXPECT_TRUE(result.flow->surfaces[held.surface].name != "adit" || held.out.si() > -1e-15) << "none goes in";
+  }
+}
+
+TEST(FlowScene, MeshesWithoutSenseAreRefusedOrSaid) {
+  const auto with = [](const std::string& text) { return with_box(level_joint(3) + aperture + text); };
+  EXPECT_TRUE(error_of(with("[flow]\nexports = [\"pflotran\"]\n")).contains("no water stands anywhere"));
+  EXPECT_TRUE(error_of(with("[flow]\nlevel = 9\nexports = [\"fehm\"]\n")).contains("\"fehm\" is not known"));
+  const auto ensemble =
+      scene_of(with("[flow]\nlevel = 9\nexports = [\"pflotran\"]\n[monte_carlo]\nrealizations = 2\n"));
+  EXPECT_TRUE(
+      std::ranges::any_of(ensemble.notes, [](const Problem& note) { return describe(note).contains("replay"); }));
+  EXPECT_TRUE(ensemble.flow->pflotran) << "a replay writes it";
+}
+
 TEST(FlowScene, WhatIsWrongIsSaid) {
   const auto wrong = [](const std::string& text) { return error_of(with_box(level_joint(3) + text)); };
   EXPECT_TRUE(wrong("[flow]\nlevel = 20\n").contains("joints.default.aperture: is missing"));
@@ -122,6 +222,50 @@ TEST(FlowScene, WhatIsWrongIsSaid) {
   EXPECT_TRUE(wrong("[joints.default]\naperture = 0\n[flow]\nlevel = 2\n").contains("aperture"));
   EXPECT_EQ(scene_of(with_box(level_joint(3) + "[joints.default]\naperture = 1\n[flow]\nlevel = 2\n")).notes.size(), 1U)
       << "a metre: perhaps millimetres were meant";
+  EXPECT_EQ(scene_of(with_box(level_joint(3) + "[joints.default]\naperture = 1e-9\n[flow]\nlevel = 2\n")).notes.size(),
+            1U)
+      << "a nanometre";
+  EXPECT_TRUE(wrong("[joints.default]\naperture = \"1 km\"\n[flow]\nlevel = 2\n").contains("at most 1 m"));
+}
+
+TEST(FlowScene, AWrongApertureIsWrongOnceAndItsNoteAsksForWhatIsTaken) {
+  const auto law = [](const std::string& more) {
+    return with_box(level_joint(3) + "[joints.default]\naperture = { distribution = \"normal\", mean = 1e-3, " + more +
+                    " }\n[flow]\nlevel = 2\n");
+  };
+  for (const std::string more : {"std = -1", "std = 1e-4, min = 2"}) {
+    const auto errors = errors_of(law(more));
+    ASSERT_EQ(errors.size(), 1U) << more << ": and not that it is missing, too";
+    EXPECT_TRUE(errors[0].contains("aperture")) << errors[0];
+  }
+  const auto notes_of = [](const std::string& text) {
+    std::string all;
+    for (const Problem& note : scene_of(text).notes) all += describe(note) + '\n';
+    return all;
+  };
+  EXPECT_TRUE(notes_of(law("std = 1e-3")).contains("min = 0 says that the tail is to be cut"));
+  EXPECT_EQ(notes_of(law("std = 1e-3, min = 0")), "") << "so it does";
+  EXPECT_EQ(notes_of(law("std = 0")), "");
+}
+
+TEST(FlowScene, LevelsThatLeaveAllDryOrPressAsWaterNowhereDoesAreNoted) {
+  const auto notes_of = [](const std::string& flow, const std::string& more) {
+    std::string all;
+    for (const Problem& note : scene_of(with_box(level_joint(3) + aperture + "[flow]\n" + flow + more)).notes) {
+      if (describe(note).contains("flow.level")) all += describe(note) + '\n';
+    }
+    return all;
+  };
+  for (const std::string level : {"level = -3\n", "[[flow.side]]\nface = \"west\"\nlevel = 0\n"}) {
+    EXPECT_TRUE(notes_of(level, tunnel).contains("below all of the rock (from 0 on)")) << level;
+  }
+  // The adit's floor lies at 2 m, the rock's at 0.
+  EXPECT_TRUE(notes_of("level = 1.5\n", tunnel).contains("lowest opening or free face (2): no water comes out"));
+  EXPECT_EQ(notes_of("level = 2.5\n", tunnel), "");
+  EXPECT_EQ(notes_of("level = 1.5\n", ""), "") << "nothing is drained that could be dry";
+  EXPECT_EQ(notes_of("level = 4000\n", tunnel), "");
+  EXPECT_TRUE(notes_of("level = 1e6\n", tunnel).contains("the water there has 9.81e+03 MPa"));
+  EXPECT_EQ(notes_of("level = 1\n[[flow.side]]\nface = \"west\"\nlevel = 9\n", tunnel), "") << "one is high enough";
 }
 
 /// Level planes without end, their number of Poisson's law; apertures are lognormal. From west to east heads of 9
@@ -229,7 +373,8 @@ TEST(FlowScene, RealizationsAreTheirReplays) {
       "[[joint_set]]\nname = \"A\"\norientation = { dip = 35, dip_direction = 90, distribution = \"fisher\", kappa = 5 "
       "}\n"
       "size = { distribution = \"constant\", mean = 12 }\nintensity = { count = 12 }\n"
-      "[joints.default]\nfriction = 25\naperture = 1e-3\n[flow]\nlevel = 6\n[stability]\nfree = [\"east\", "
+      "[joints.default]\nfriction = 25\naperture = 1e-3\n[flow]\nlevel = 6\nexports = "
+      "[\"pflotran\"]\n[stability]\nfree = [\"east\", "
       "\"top\"]\ngroups = \"off\"\nwater = { flow = true }\n[monte_carlo]\nrealizations = 4\n";
   const Scene scene = scene_of(with_box(wedges));
   EXPECT_TRUE(make_plan(scene).runs(Step::flow));
@@ -237,18 +382,29 @@ TEST(FlowScene, RealizationsAreTheirReplays) {
   std::string dry = with_box(wedges);
   dry.replace(dry.find("water = { flow = true }"), 23, "water = { table = -50 }");
   double wet_volume = 0, dry_volume = 0;
+  std::size_t meshes = 0;
   for (const stochastic::Record& r : records) {
     StageTimer timer;
     Progress progress{ProgressStyle::quiet};
     const auto replay = run(scene, {.threads = 1, .realization = r.realization}, timer, progress);
     ASSERT_TRUE(replay && replay->flow && replay->flow->flow);
     ASSERT_TRUE(r.flow && r.flow->water);
-    EXPECT_EQ(r.flow->water->inflow.si(), replay->flow->flow->drained.value);
+    EXPECT_EQ(r.flow->water->inflow.si(), replay->flow->flow->drained.value) << "no figure hangs on the mesh";
+    EXPECT_EQ(replay->flow->mesh.has_value(), replay->flow->flow->wet_area > Area{});
+    meshes += replay->flow->mesh ? 1U : 0U;
     EXPECT_EQ(r.flow->clusters, replay->flow->connectivity.clusters.size());
     EXPECT_EQ(r.flow->backbone_share, replay->flow->share_of_backbone());
     EXPECT_EQ(r.flow->opening_share, replay->flow->share_at_openings());
     EXPECT_NEAR(r.all.volume_m3, replay->figures.key_blocks->volume_m3, 1e-9);
     wet_volume += r.all.volume_m3;
+  }
+  EXPECT_GT(meshes, 0U);
+  StageTimer timer;
+  for (std::uint64_t k = 0; k < 6; ++k) {
+    realize(scene, nullptr, k, 1, timer, [](std::uint64_t, const Realization* r) {
+      ASSERT_TRUE(r != nullptr && r->flow);
+      EXPECT_FALSE(r->flow->mesh.has_value()) << "nobody sees it";
+    });
   }
   const Scene without = scene_of(dry);
   for (const stochastic::Record& r : records_of(without, 6)) dry_volume += r.all.volume_m3;

@@ -226,6 +226,20 @@ TEST(MappedScene, PairsThatMayBeOneJointAreNoted) {
   EXPECT_FALSE(has_note(mapped_scene(across, text), "may be of one joint"));
 }
 
+TEST(MappedScene, PlanesThatTheirSetHasHardlyAreNoted) {
+  // The set dips 70 degrees to the north, 95 % of its joints within 18 degrees of it; planes are good to 3.
+  const std::string text = with_box(set_of("A")) + "[mapped]\npicks = \"p.csv\"\n" + hole;
+  const auto scene = [&](const std::string& rows) {
+    return scene_of(text, {{"p.csv", "hole,set,joint,depth,dip,dip_direction\n" + rows}});
+  };
+  EXPECT_FALSE(has_note(scene("H,A,,2,60,10\nH,A,,3,,\nH,A,,4,89,0\n"), "mean plane"));
+  EXPECT_TRUE(has_note(scene("H,A,,2,20,0\n"), "p.csv:2: dip: 1 plane of picks lies further off"));
+  const Scene two = scene("H,A,,2,30,0\nH,A,,3,,\nH,A,,4,10,90\n");
+  EXPECT_TRUE(has_note(two, "p.csv:4: dip: 2 planes of picks lie further off"));
+  EXPECT_TRUE(has_note(two, "70 degrees off that of \"A\""));
+  EXPECT_FALSE(has_note(scene("H,,,2,20,0\n"), "mean plane")) << "of no set it is asked of";
+}
+
 TEST(MappedScene, WhatCannotBeHonouredIsSaid) {
   // Three holes pick it on no plane.
   const std::string text = with_box(set_of("A")) + "[mapped]\npicks = \"p.csv\"\n" +

@@ -114,6 +114,22 @@ TEST(PairedTest, NoIntervalWhereNoPairDiffers) {
   EXPECT_TRUE(std::isfinite(row(rows, "key_block_count").interval.high));
 }
 
+TEST(PairedTest, RoundingIsNoDifference) {
+  PairedComparison pairs, others;
+  for (std::uint64_t k = 0; k < 5; ++k) {
+    const double volume = 0.1 * static_cast<double>(k + 1), off = k % 2 == 0 ? 1 + 4e-16 : 1 - 4e-16;
+    pairs.add(with(k, volume), with(k, volume * off));
+    others.add(with(k, volume), with(k, volume * (1 + 1e-9)));
+  }
+  const auto rows = pairs.estimates(0.95), apart = others.estimates(0.95);
+  const PairedEstimate& volume = row(rows, "key_block_volume_m3");
+  EXPECT_EQ(volume.difference, 0);
+  EXPECT_EQ(volume.standard_error, 0);
+  EXPECT_TRUE(std::isinf(volume.interval.high)) << "no pair differs";
+  EXPECT_FALSE(volume.gain.has_value());
+  EXPECT_GT(row(apart, "key_block_volume_m3").difference, 0) << "more than rounding";
+}
+
 TEST(PairedTest, CommonNumbersShrinkTheVarianceOfADifference) {
   PairedComparison pairs;
   for (std::uint64_t k = 0; k < 20000; ++k) {

@@ -125,6 +125,28 @@ TEST(JointNetworkTest, ThreePlanesThroughACube) {
   for (const auto& piece : network.pieces) EXPECT_NE(piece.blocks[0], piece.blocks[1]);
 }
 
+TEST(JointNetworkTest, BordersInAnEdgeOfTheRockKnowAllItsSurfaces) {
+  // Upright, from the edge between two sides to the one across; a chamber's corner touches it.
+  auto input = scene(cube(), {joint({{-1, -1, -1}, {5, 5, -1}, {5, 5, 5}, {-1, -1, 5}})}, {box({1, 2, 1}, {2, 3, 3})});
+  input.free_domain_tags = {1};
+  const auto complex = with_network(input);
+  check(complex);
+  const auto& network = *complex.network();
+  std::set<std::vector<std::uint32_t>> edges;
+  for (std::uint32_t b = 0; b < network.borders.size(); ++b) {
+    const auto number = [](const auto& side) { return side.excavation ? 100 + *side.excavation : *side.tag; };
+    std::vector<std::uint32_t> surfaces{number(network.borders[b])};
+    for (const auto& other : network.others) {
+      if (other.border == b) surfaces.push_back(number(other));
+    }
+    if (surfaces.size() > 1) edges.insert(surfaces);
+  }
+  // West and south; east, which is free, and north. All of the chamber's faces are one surface.
+  EXPECT_EQ(edges, (std::set<std::vector<std::uint32_t>>{{0, 2}, {1, 3}}));
+  EXPECT_EQ(network.others.size(), 2U);
+  EXPECT_EQ(network.others[1].role, Role::fixed);
+}
+
 TEST(JointNetworkTest, LinesThatEndInAJointAreSidesOfTriangles) {
   // A level joint with three that stand on it, apart from each other and from its outline; two of them cross.
   const auto complex =

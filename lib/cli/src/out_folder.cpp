@@ -26,15 +26,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 36> result_files{
-    "summary.json",     "blocks.vtu",      "dangling.vtu",       "dangling.obj",         "key_blocks.csv",
-    "survey.json",      "bolts.csv",       "load_cases.csv",     "report.html",          "log.txt",
-    "bodies.vtu",       "sets.toml",       "bodies.pvd",         "realizations.csv",     "realizations.csv.part",
-    "scene.toml",       "points.csv",      "support_blocks.csv", "combined_blocks.csv",  "maximum_blocks.csv",
-    "contact.pvd",      "history.csv",     "bodies.csv",         "section.toml",         "stress.csv",
-    "key_groups.csv",   "motion.csv",      "motion.pvd",         "supported_groups.csv", "contact.state",
-    "motion.state",     "block_sizes.csv", "border_blocks.csv",  "flow_joints.csv",      "flow.vtu",
-    "mapped_joints.csv"};
+constexpr std::array<std::string_view, 40> result_files{
+    "summary.json",      "blocks.vtu",      "dangling.vtu",       "dangling.obj",         "key_blocks.csv",
+    "survey.json",       "bolts.csv",       "load_cases.csv",     "report.html",          "log.txt",
+    "bodies.vtu",        "sets.toml",       "bodies.pvd",         "realizations.csv",     "realizations.csv.part",
+    "scene.toml",        "points.csv",      "support_blocks.csv", "combined_blocks.csv",  "maximum_blocks.csv",
+    "contact.pvd",       "history.csv",     "bodies.csv",         "section.toml",         "stress.csv",
+    "key_groups.csv",    "motion.csv",      "motion.pvd",         "supported_groups.csv", "contact.state",
+    "motion.state",      "block_sizes.csv", "border_blocks.csv",  "flow_joints.csv",      "flow.vtu",
+    "mapped_joints.csv", "flow_mesh.inp",   "flow_mesh.uge",      "flow_mesh.in",         "flow_mesh_heads.csv"};
 /// One time of a moving scene: bodies_0000.vtu or contact_0000.vtu and on.
 bool is_frame(std::string_view name) {
   const std::size_t head = name.starts_with("bodies_")    ? 7
@@ -262,6 +262,7 @@ bool is_result_file(const std::string& name) {
   if (name.starts_with("blocks_stage_") && name.ends_with(".vtu")) return true;
   if (name.starts_with("sets_") && name.ends_with(".csv")) return true;
   if (name.starts_with("section_") && name.ends_with(".toml")) return true;
+  if (name.starts_with("flow_mesh_") && name.ends_with(".ex")) return true;
   constexpr std::string_view copy = "scene_file_";
   return name.starts_with(copy) && name.size() > copy.size() &&
          name.find_first_not_of("0123456789", copy.size()) == std::string::npos;

@@ -13,6 +13,8 @@ namespace cleave::flow {
 
 using Index = std::uint32_t;
 inline constexpr Index none = UINT32_MAX;
+/// Heads that differ by less, of the extent of the network, are one.
+inline constexpr double same_head = 1e-9;
 
 /// m, along the axis in which it is largest.
 [[nodiscard]] inline double extent_of(const Mesh& mesh) noexcept {
@@ -53,5 +55,9 @@ void split_at_levels(Mesh& mesh, std::span<const Surface> surfaces);
 /// Turns sides within parts until each triangle's circle is empty of the corner beyond (Lawson 1977), where a part has
 /// no line on them: better angles, the same points.
 void flip_sides(Mesh& mesh);
+
+/// The mesh for `solve_for_two_points`. Where lines meet at sharp angles splitting need not come to an end: a few
+/// passes, and no more triangles than asked for. `states` as in `refine`.
+void make_two_point(Mesh& mesh, const Network& network, std::vector<std::uint8_t>& states, std::size_t most_triangles);
 
 }  // namespace cleave::flow

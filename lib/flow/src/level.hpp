@@ -25,9 +25,6 @@ namespace cleave::flow {
 
 using Column = Eigen::Index;
 
-/// Heads that differ by less, of the extent of the network, are one.
-inline constexpr double same_head = 1e-9;
-
 /// A mesh with what is open on its borders, solved.
 class Level final {
  public:
@@ -68,6 +65,23 @@ class Level final {
     return {};
   }
   [[nodiscard]] const std::vector<std::uint8_t>& open() const noexcept { return open_; }
+
+  /// In place of `settle`: continuous heads alone.
+  std::expected<void, FlowError> settle_continuous() {
+    find_wet();
+    CLEAVE_CHECK(check_heads());
+    find_ceilings();
+    continuous_ = {.heads = Eigen::MatrixXd::Zero(rows(corners_), 1),
+                   .held = std::vector<std::uint8_t>(corners_.count)};
+    for_each_open([&](std::size_t b, Index side) {
+      for_each_corner(side, mesh_.borders[b], [&](Index corner, Index point) {
+        if (drained(b) && standing_corners_[corner] != 0) return;
+        continuous_.heads(corner, 0) = head_at(mesh_.borders[b].surface, mesh_.points[point]);
+        continuous_.held[corner] = drained(b) ? 1 : 0;
+      });
+    });
+    return press(corners_, standing_corners_, ceiling_of_corners_, false, continuous_);
+  }
 
   /// After `settle`: rates with bounds where just what is dry now is closed, and continuous heads that lie nowhere
   /// above a drained surface.
@@ -129,16 +143,30 @@ class Level final {
   /// head of pressure there: the mean square, whatever its transmissivity. Marks triangles of those above `tolerance`.
   double gap_of_pressures(double tolerance, std::vector<std::uint8_t>& marked) const;
 
-  [[nodiscard]] Flow result() const {
-    Flow flow{.mesh = mesh_, .wet = wet_, .residual = residual_};
+  /// After `settle_continuous`.
+  [[nodiscard]] Flow heads() const {
+    Flow flow{.mesh = mesh_, .wet = wet_, .open = open_, .residual = residual_};
+    if (!continuous_.settled) flow.status = FlowStatus::unsettled;
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
       auto& head = flow.head.emplace_back();
-      Vec3& q = flow.q.emplace_back();
+      auto& held = flow.held.emplace_back();
       flow.area += square_metres(areas_[t]);
       if (wet_[t] == 0) continue;
       flow.wet_area += square_metres(areas_[t]);
-      for (std::size_t k = 0; k < 3; ++k) head[k] = metres(continuous_.heads(corners_.of[t][k], 0));
-      q = -transmissivity(t) * gradient(t, in_middles(low_, t, 0));
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Index corner = corners_.of[t][k];
+        head[k] = metres(continuous_.heads(corner, 0));
+        held[k] = standing_corners_[corner] | continuous_.held[corner];
+      }
+    }
+    for (const Index side : side_of_border_) flow.triangle_of_border.push_back(sides_.triangles(side).front());
+    return flow;
+  }
+  [[nodiscard]] Flow result() const {
+    Flow flow = heads();
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+      Vec3& q = flow.q.emplace_back();
+      if (wet_[t] != 0) q = -transmissivity(t) * gradient(t, in_middles(low_, t, 0));
     }
     put_surfaces(flow);
     flow.drained = out_of_drained();
@@ -387,7 +415,6 @@ class Level final {
     double sum = 0, sizes = 0;
     flow.out_of_border.assign(mesh_.borders.size(), FlowRate{});
     for (std::size_t b = 0; b < mesh_.borders.size(); ++b) {
-      flow.triangle_of_border.push_back(sides_.triangles(side_of_border_[b]).front());
       const Border& border = mesh_.borders[b];
       if (wet_[sides_.triangles(side_of_border_[b]).front()] == 0) continue;
       SurfaceFlow& own = flow.surfaces[border.surface];

@@ -1,18 +1,23 @@
 #include "cleave/flow/flow.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "cleave/core/assert.hpp"
 #include "cleave/core/disjoint_sets.hpp"
+#include "cleave/core/overloaded.hpp"
 #include "discretisation.hpp"
 
 namespace cleave::flow {
 
 namespace {
 
-RockSurface surface_of(const topology::JointBorder& border) {
+template <class Border>
+RockSurface surface_of(const Border& border) {
   if (border.excavation) return {border.role, border.excavation, std::nullopt};
   return {border.role, std::nullopt, border.tag};
 }
@@ -57,14 +62,47 @@ void contract_short_sides(Mesh& mesh) {
 JointSurfaces surfaces_of(const topology::JointNetwork& network) {
   JointSurfaces out;
   for (const auto& border : network.borders) out.surfaces.push_back(surface_of(border));
+  for (const auto& other : network.others) out.surfaces.push_back(surface_of(other));
   std::ranges::sort(out.surfaces, domain_first);
   const auto repeated = std::ranges::unique(out.surfaces);
   out.surfaces.erase(repeated.begin(), repeated.end());
-  for (const auto& border : network.borders) {
-    const auto place = std::ranges::lower_bound(out.surfaces, surface_of(border), domain_first);
-    out.of_border.push_back(static_cast<std::uint32_t>(place - out.surfaces.begin()));
-  }
+  const auto number = [&](const RockSurface& surface) {
+    const auto place = std::ranges::lower_bound(out.surfaces, surface, domain_first);
+    return static_cast<std::uint32_t>(place - out.surfaces.begin());
+  };
+  for (const auto& border : network.borders) out.of_border.push_back(number(surface_of(border)));
+  for (const auto& other : network.others) out.others.emplace_back(other.border, number(surface_of(other)));
   return out;
+}
+
+std::expected<void, HeadsMeet> settle_edges(const topology::BlockComplex& complex, std::span<const Surface> conditions,
+                                            JointSurfaces& surfaces) {
+  if (surfaces.others.empty()) return {};
+  std::vector<geometry::Vec3> points;
+  for (const geometry::Vec3& p : complex.vertices()) points.push_back(p);
+  const double near = same_head * extent_of(Mesh{.points = std::move(points)});
+  for (const auto& [border, other] : surfaces.others) {
+    auto ends = complex.network()->borders[border].ends;
+    if (complex.vertices()[ends[1]].z < complex.vertices()[ends[0]].z) std::swap(ends[0], ends[1]);
+    const geometry::Vec3 foot = complex.vertices()[ends[0]], head = complex.vertices()[ends[1]];
+    // At the foot, where water passes.
+    const auto head_of = [&](std::uint32_t surface) {
+      return std::visit(overloaded{[](const Closed&) { return std::optional<double>{}; },
+                                   [&](const Drained&) { return std::optional{foot.z}; },
+                                   [&](const Standing& s) {
+                                     const double level = s.level.si();
+                                     const bool below = foot.z < level || head.z <= level;
+                                     return below ? std::optional{level} : std::nullopt;
+                                   }},
+                        conditions[surface]);
+    };
+    std::uint32_t& own = surfaces.of_border[border];
+    const auto here = head_of(own), there = head_of(other);
+    if (!there) continue;
+    if (here && std::abs(*here - *there) > near) return std::unexpected(HeadsMeet{own, other, foot, *here, *there});
+    if (!here) own = other;
+  }
+  return {};
 }
 
 Mesh mesh_of(const topology::BlockComplex& complex, const JointSurfaces& surfaces) {

@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "discretisation.hpp"
 
@@ -172,7 +173,7 @@ namespace {
 /// Two triangles of one part on a side that nothing else is on.
 class Flipper {
  public:
-  explicit Flipper(Mesh& mesh) : mesh_{mesh} {
+  explicit Flipper(Mesh& mesh) : mesh_{mesh}, changed_(mesh.triangles.size(), 1) {
     for (const Border& border : mesh.borders)
       fixed_.push_back({std::min(border.ends[0], border.ends[1]), std::max(border.ends[0], border.ends[1])});
     std::ranges::sort(fixed_);
@@ -187,17 +188,19 @@ class Flipper {
  private:
   std::size_t turned_in_pass() {
     const Sides sides{mesh_};
-    std::vector<std::uint8_t> touched(mesh_.triangles.size(), 0);
+    std::vector<std::uint8_t> touched(mesh_.triangles.size(), 0);  // in this pass
     std::size_t turned = 0;
     for (Index s = 0; s < sides.count(); ++s) {
       const auto around = sides.triangles(s);
       if (around.size() != 2 || mesh_.part[around[0]] != mesh_.part[around[1]]) continue;
+      if (changed_[around[0]] == 0 && changed_[around[1]] == 0) continue;  // it was looked at
       if (touched[around[0]] != 0 || touched[around[1]] != 0) continue;
       if (std::ranges::binary_search(fixed_, sides.ends(s))) continue;
       if (!turn(around[0], around[1], sides.ends(s))) continue;
       touched[around[0]] = touched[around[1]] = 1;
       ++turned;
     }
+    changed_ = std::move(touched);
     return turned;
   }
 
@@ -226,6 +229,7 @@ class Flipper {
 
   Mesh& mesh_;
   std::vector<std::array<Index, 2>> fixed_;
+  std::vector<std::uint8_t> changed_;  ///< of triangles: since their sides were looked at
 };
 
 }  // namespace

@@ -70,6 +70,16 @@ std::expected<Flow, FlowError> solve(const Network& network, const FlowOptions& 
   }
 }
 
+std::expected<Flow, FlowError> solve_for_two_points(const Network& network, const Flow& flow,
+                                                    std::size_t most_triangles) {
+  Mesh mesh = flow.mesh;
+  std::vector<std::uint8_t> open = flow.open;
+  make_two_point(mesh, network, open, most_triangles);
+  Level level{mesh, network, open};
+  CLEAVE_CHECK(level.settle_continuous());
+  return level.heads();
+}
+
 std::string describe(const FlowError& error) {
   const auto number = [](double value) { return std::to_string(value); };
   return std::visit(overloaded{[&](const HeadsMeet& e) {

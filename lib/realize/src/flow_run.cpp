@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "cleave/core/expected.hpp"
@@ -61,20 +62,24 @@ std::set<std::uint32_t> cut_sides(const topology::BlockComplex& complex, double 
 
 class FlowRun {
  public:
-  FlowRun(const Scene& scene, const SampledScene& drawn, const topology::BlockComplex& complex)
+  FlowRun(const Scene& scene, const SampledScene& drawn, const topology::BlockComplex& complex, Detail detail)
       : scene_{scene},
         settings_{*scene.flow},
+        writes_mesh_{settings_.pflotran && detail == Detail::shown},
         drawn_{drawn},
         complex_{complex},
         surfaces_{flow::surfaces_of(*complex.network())} {}
 
   std::expected<FlowResult, Problem> run() {
     out_.origin = complex_.origin();
+    find_conditions();
+    if (auto settled = flow::settle_edges(complex_, conditions_, surfaces_); !settled) {
+      return std::unexpected(refused(settled.error()));
+    }
     out_.connectivity = flow::connectivity(complex_, surfaces_);
     for (const topology::JointPiece& piece : complex_.network()->pieces) {
       out_.joint_of_part.push_back(piece.joints.front());
     }
-    find_conditions();
     for (const auto& [a, b] : out_.connectivity.percolates) {
       out_.percolates.push_back({out_.surfaces[a].name, out_.surfaces[b].name});
       const auto tags = std::minmax(surfaces_.surfaces[a].tag, surfaces_.surfaces[b].tag);
@@ -128,17 +133,20 @@ class FlowRun {
   }
 
   std::expected<void, Problem> send_water() {
+    std::vector<Length> openings;
     flow::NetworkSpec spec{.mesh = flow::mesh_of(complex_, surfaces_), .transmissivity = {}, .surfaces = conditions_};
     for (const topology::JointPiece& piece : complex_.network()->pieces) {
       Transmissivity sum;
-      Length widest;
+      Length widest, together;
       for (const topology::JointId joint : piece.joints) {
         const Length aperture = drawn_.joints[joint].aperture.value_or(Length{});
         sum += transmissivity(aperture);
         widest = std::max(widest, aperture);
+        together += aperture;
       }
       spec.transmissivity.push_back(sum);
       out_.aperture_of_part.push_back(widest);
+      openings.push_back(together);
     }
     auto network = flow::Network::make(std::move(spec));
     if (!network)
@@ -149,8 +157,50 @@ class FlowRun {
     if (!solved) return std::unexpected(refused(solved.error()));
     out_.flow = *std::move(solved);
     for (std::size_t s = 0; s < out_.surfaces.size(); ++s) out_.surfaces[s].passed = out_.flow->surfaces[s];
+    if (writes_mesh_) CLEAVE_CHECK(make_mesh(*network, std::move(openings)));
     note_flow();
     return {};
+  }
+
+  std::expected<void, Problem> make_mesh(const flow::Network& network, std::vector<Length> openings) {
+    if (!(out_.flow->wet_area > Area{})) return {};
+    auto made = flow::solve_for_two_points(network, *out_.flow, settings_.most_triangles);
+    if (!made) return std::unexpected(refused(made.error()));
+    FlowMesh& mesh = out_.mesh.emplace(FlowMesh{.flow = *std::move(made), .viscosity = settings_.viscosity});
+    mesh.cells = flow::cells_of(mesh.flow, network, openings);
+    mesh.permeability = reference_permeability(mesh.flow, network, openings);
+    mesh.opening_of_part = std::move(openings);
+    mesh.transmissivity_of_part = network.transmissivity();
+    FlowMeshBoundary drained{.file = "flow_mesh_drained.ex", .surfaces = {}, .level = {}};
+    for (std::size_t s = 0; s < out_.surfaces.size(); ++s) {
+      FlowMeshBoundary own{
+          .file = fmt::format("flow_mesh_standing_{}.ex", s), .surfaces = {}, .level = out_.surfaces[s].level};
+      FlowMeshBoundary& boundary = own.level ? own : drained;
+      const std::size_t before = boundary.held.size();
+      for (std::uint32_t h = 0; h < mesh.cells.held.size(); ++h) {
+        if (mesh.cells.held[h].surface != s) continue;
+        boundary.held.push_back(h);
+        boundary.out += mesh.cells.held[h].out;
+      }
+      if (boundary.held.size() > before) boundary.surfaces.push_back(out_.surfaces[s].name);
+      if (!own.held.empty()) mesh.boundaries.push_back(std::move(own));
+    }
+    if (!drained.held.empty()) mesh.boundaries.push_back(std::move(drained));
+    return {};
+  }
+  /// The mean of a^2 / 12 over the water in wet joints: areas are those of the joints where all are alike.
+  [[nodiscard]] Area reference_permeability(const flow::Flow& f, const flow::Network& network,
+                                            std::span<const Length> openings) const {
+    double passes = 0, volume = 0;
+    for (std::size_t t = 0; t < f.mesh.triangles.size(); ++t) {
+      if (f.wet[t] == 0) continue;
+      const auto& [a, b, c] = f.mesh.triangles[t];
+      const auto& at = f.mesh.points;
+      const double area = 0.5 * norm(cross(at[b] - at[a], at[c] - at[a]));
+      passes += area * network.transmissivity()[f.mesh.part[t]].si();
+      volume += area * openings[f.mesh.part[t]].si();
+    }
+    return square_metres(passes / volume * settings_.viscosity.si() / gravity);
   }
 
   [[nodiscard]] Transmissivity transmissivity(Length aperture) const {
@@ -185,7 +235,8 @@ class FlowRun {
                             "not {:.3g}): raise max_triangles, or the tolerance",
                             f.mesh.triangles.size(), last.pressures, settings_.tolerance));
     }
-    if (f.status == flow::FlowStatus::unsettled) {
+    if (f.status == flow::FlowStatus::unsettled ||
+        (out_.mesh && out_.mesh->flow.status == flow::FlowStatus::unsettled)) {
       out_.notes.emplace_back(
           "[flow]: where water comes out of drained surfaces and where they stay dry was not settled: the rates are "
           "those "
@@ -193,6 +244,13 @@ class FlowRun {
     }
     if (f.area > Area{} && !(f.wet_area > Area{})) {
       out_.notes.emplace_back("[flow]: no joint reaches standing water, so no water flows");
+    }
+    if (out_.mesh && out_.mesh->cells.negative > 0) {
+      out_.notes.push_back(fmt::format(
+          "[flow]: {} of the {} connections of flow_mesh.uge have an area below 0 ({:.2g} % of all conductance): "
+          "across from them joints meet or end under sharp angles. With them fluxes are exactly those of the mesh; a "
+          "program that sets them to 0 finds a little less",
+          out_.mesh->cells.negative, out_.mesh->cells.connections.size(), 100 * out_.mesh->cells.negative_share));
     }
     out_.notes.push_back(note_on_flow(scene_));
   }
@@ -248,6 +306,7 @@ class FlowRun {
 
   const Scene& scene_;
   const FlowSettings& settings_;
+  bool writes_mesh_;
   const SampledScene& drawn_;
   const topology::BlockComplex& complex_;
   flow::JointSurfaces surfaces_;
@@ -258,8 +317,8 @@ class FlowRun {
 }  // namespace
 
 std::expected<FlowResult, Problem> run_flow(const Scene& scene, const SampledScene& drawn,
-                                            const topology::BlockComplex& complex) {
-  return FlowRun{scene, drawn, complex}.run();
+                                            const topology::BlockComplex& complex, Detail detail) {
+  return FlowRun{scene, drawn, complex, detail}.run();
 }
 
 }  // namespace cleave::scene

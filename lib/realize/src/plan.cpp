@@ -50,6 +50,8 @@ std::string why_write(const Scene& scene) {
   if (scene.mapped && output.csv) files += ", mapped_joints.csv";
   if (scene.flow && output.csv) files += ", flow_joints.csv";
   if (scene.flow && output.vtu) files += ", flow.vtu";
+  if (scene.flow && scene.flow->pflotran)
+    files += ", flow_mesh.uge and what goes with it (two to three times the triangles of flow.vtu)";
   for (const SectionSpec& section : output.sections) {
     files += section.name.empty() ? ", section.toml" : ", section_" + section.name + ".toml";
   }

@@ -392,7 +392,7 @@ Realizer::Done Realizer::move() {
 }
 
 Realizer::Done Realizer::send_water() {
-  auto flow = run_flow(*scene_, made_, made_.complex->complex());
+  auto flow = run_flow(*scene_, made_, made_.complex->complex(), detail_);
   if (!flow) return std::unexpected(std::vector{std::move(flow).error()});
   made_.flow = *std::move(flow);
   if (acts_on_blocks(*scene_)) made_.flow_water = water_on_blocks(*scene_, made_.complex->complex(), *made_.flow);

@@ -3,6 +3,7 @@
 
 #include "cleave/report/key_blocks.hpp"
 #include "cleave/report/monte_carlo_fields.hpp"
+#include "flow.hpp"
 #include "tables.hpp"
 #include "tables2d.hpp"
 
@@ -58,9 +59,9 @@ std::string columns_of_tables() {
          table("key_groups.csv", KeyGroupRow{group}) + table("supported_groups.csv", SupportedGroupRow{group}) +
          table("motion.csv", scene::MotionBlock{.block = topology::BlockId{0U}, .centroid = {}}) +
          table("mapped_joints.csv", scene::MappedJointResult{}) + table("flow_joints.csv", scene::FlowJoint{}) +
-         table("maximum_blocks.csv", scene::MaximumRow{}) + table("points.csv", StressPointRow{}) +
-         table("block_sizes.csv", stochastic::SizeShare{}) + table("history.csv", scene::ContactHistory{}) +
-         table("bodies.csv", scene::ContactBodyResult{});
+         table("flow_mesh_heads.csv", FlowMeshHead{}) + table("maximum_blocks.csv", scene::MaximumRow{}) +
+         table("points.csv", StressPointRow{}) + table("block_sizes.csv", stochastic::SizeShare{}) +
+         table("history.csv", scene::ContactHistory{}) + table("bodies.csv", scene::ContactBodyResult{});
 }
 
 }  // namespace cleave::report

@@ -78,6 +78,7 @@ std::expected<void, WriteError> write_mapped(const scene::RunResult& result, con
 std::expected<void, WriteError> write_flow(const scene::RunResult& result, const fs::path& folder) {
   if (!result.flow || complex_of(result) == nullptr) return {};
   if (result.output.csv) CLEAVE_CHECK(write_file(folder / "flow_joints.csv", flow_joints_csv(*result.flow)));
+  if (result.flow->mesh) CLEAVE_CHECK(write_flow_mesh(*result.flow, folder));
   return result.output.vtu ? write_file(folder / "flow.vtu", flow_vtu(result)) : std::expected<void, WriteError>{};
 }
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "cleave/scene3d/bounds.hpp"
 #include "mapped.hpp"
@@ -44,15 +46,17 @@ struct Planes {
   double longest;
 };
 
+Planes planes_of(const dfn::JointSet& law, const MappedSettings& settings, bool mapped) {
+  // The angle to the mean of 95 % of the joints of a law like Fisher's, over the mean square angle: 1.73.
+  const double spread = 1.73 * std::acos(std::clamp(law.mean_cosine(), 0.0, 1.0)) + settings.seen.turn.radians();
+  return {law.mean_normal(), std::cos(std::min(spread, 1.57)), mapped ? dfn::longest_trace(law).si() : 0};
+}
+
 class Comparison final {
  public:
   Comparison(const std::vector<RandomSet>& joint_sets, const MappedSettings& settings) : settings_{settings} {
     for (std::size_t i = 0; i < joint_sets.size(); ++i) {
-      const dfn::JointSet& law = joint_sets[i].law;
-      // The angle to the mean of 95 % of the joints of a law like Fisher's, over the mean square angle: 1.73.
-      const double spread = 1.73 * std::acos(std::clamp(law.mean_cosine(), 0.0, 1.0)) + settings.seen.turn.radians();
-      planes_.push_back({law.mean_normal(), std::cos(std::min(spread, 1.57)),
-                         settings.sets[i] != 0 ? dfn::longest_trace(law).si() : 0});
+      planes_.push_back(planes_of(joint_sets[i].law, settings, settings.sets[i] != 0));
     }
   }
 
@@ -132,6 +136,43 @@ void note_pairs(Context& context, const std::vector<RandomSet>& joint_sets, cons
                            "where they are, give them the same `joint`; otherwise they are drawn as two");
 }
 
+/// Measured planes that their set has hardly: joints are drawn in them all the same.
+void note_planes(Context& context, const std::vector<RandomSet>& joint_sets, const MappedSettings& settings) {
+  std::size_t count = 0;
+  double widest = 0, usual = 0;
+  const MappedRow* at = nullptr;
+  std::string set;
+  for (std::size_t j = 0; j < settings.seen.joints.size(); ++j) {
+    const dfn::MappedJoint& joint = settings.seen.joints[j];
+    if (!joint.set) continue;
+    const Planes planes = planes_of(joint_sets[*joint.set].law, settings, true);
+    auto pick = joint.picks.begin();
+    for (const MappedRow& row : settings.sources[j].rows) {
+      if (!row.pick) continue;
+      const auto& normal = (pick++)->normal;
+      if (!normal) continue;
+      const double cosine = std::abs(dot(*normal, planes.mean));
+      if (cosine >= planes.least) continue;
+      ++count;
+      const double angle = std::acos(std::min(cosine, 1.0));
+      if (angle <= widest) continue;
+      widest = angle;
+      usual = std::acos(planes.least);
+      at = &row;
+      set = context.sets[joint_sets[*joint.set].set].name;
+    }
+  }
+  if (count == 0) return;
+  constexpr double degrees = 180 / std::numbers::pi;
+  context.problems.note_in(
+      at->file, at->line, "dip",
+      fmt::format("{} of picks {} further off the mean plane of {} set than nearly all of its joints; the furthest: "
+                  "this one, {:.0f} degrees off that of \"{}\", of which 95 % are within {:.0f}",
+                  count == 1 ? "1 plane" : fmt::format("{} planes", count), count == 1 ? "lies" : "lie",
+                  count == 1 ? "its" : "their", widest * degrees, set, usual * degrees),
+      "joints are drawn in these planes all the same; check the plane, its set and the declination");
+}
+
 /// Faces and holes where nothing was seen, or outside of the rock.
 void note_places(Context& context, const std::optional<geometry::Solid>& domain, const MappedSettings& settings) {
   const auto note = [&](std::string_view kind, const std::string& name, std::string what, std::string remedy) {
@@ -166,6 +207,7 @@ void note_mapped(Context& context, const std::vector<RandomSet>& joint_sets,
                  const std::optional<geometry::Solid>& domain, const MappedSettings& settings) {
   note_places(context, domain, settings);
   note_pairs(context, joint_sets, settings);
+  note_planes(context, joint_sets, settings);
 }
 
 }  // namespace cleave::scene

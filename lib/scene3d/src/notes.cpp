@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cleave/core/overloaded.hpp"
@@ -151,6 +152,35 @@ void note_tables(const Scene& scene, const TableReader& root) {
   }
 }
 
+/// Levels of [flow] that leave all rock or all openings dry, or press as water nowhere does.
+void note_levels(const Scene& scene, const TableReader& root) {
+  if (!scene.flow || !scene.flow->flows()) return;
+  constexpr double infinite = std::numeric_limits<double>::infinity(), deepest = 5000;
+  double level = scene.flow->level ? scene.flow->level->si() : -infinite, lowest = infinite, drained = infinite;
+  for (const FlowSide& side : scene.flow->sides) level = std::max(level, side.level ? side.level->si() : -infinite);
+  for (const geometry::Vec3 v : scene.domain.vertices()) lowest = std::min(lowest, v.z);
+  for (const Excavation& e : scene.excavations) drained = std::min(drained, std::max(lowest, box_of(e.solid).min.z));
+  for (const geometry::SolidFace& face : scene.domain.faces()) {
+    if (std::ranges::find(scene.free_domain_tags, face.tag) == scene.free_domain_tags.end()) continue;
+    for (const std::uint32_t corner : face.corners) drained = std::min(drained, scene.domain.vertices()[corner].z);
+  }
+  const auto note = [&](std::string what, std::string remedy) {
+    root.problems().note(scene.flow->line, "flow.level", std::move(what), std::move(remedy));
+  };
+  if (level <= lowest) {
+    note(fmt::format("is {:g} at most, below all of the rock (from {:g} on), so that nothing is wet", level, lowest),
+         "give levels in the coordinates of the scene, not depths");
+  } else if (level <= drained && drained < infinite) {
+    note(fmt::format("is {:g} at most, no higher than the lowest opening or free face ({:g}): no water comes out",
+                     level, drained),
+         "give levels in the coordinates of the scene, not depths");
+  } else if (level - lowest > deepest) {
+    note(fmt::format("is {:g}, {:g} m above the lowest rock: the water there has {:.3g} MPa", level, level - lowest,
+                     9.81e-3 * (level - lowest)),
+         "if it is in millimetres or feet, write it in metres; a head of pressure is not a level");
+  }
+}
+
 /// Ensembles in which nothing is drawn: copies of one run, of which an interval says nothing.
 void note_nothing_drawn(const Scene& scene, const TableReader& root) {
   if (!scene.monte_carlo || !scene.joint_sets.empty()) return;
@@ -158,7 +188,8 @@ void note_nothing_drawn(const Scene& scene, const TableReader& root) {
   if (is_law(scene.monte_carlo->seismic_factor.kind)) return;
   const auto drawn = [&](const NamedSet& set) {
     const JointProperties& p = set.properties;
-    return is_law(p.friction.kind) || is_law(p.cohesion.kind) || is_law(p.tension.kind);
+    return is_law(p.friction.kind) || is_law(p.cohesion.kind) || is_law(p.tension.kind) ||
+           (scene.flow && p.aperture && is_law(p.aperture->kind));
   };
   if (std::ranges::any_of(scene.sets, drawn)) return;
   if (scene.stability) {
@@ -169,7 +200,8 @@ void note_nothing_drawn(const Scene& scene, const TableReader& root) {
     }
   }
   root.note("monte_carlo", "draws nothing: there is no [[joint_set]] and no law, so that all realizations are one",
-            "give friction or cohesion a law, add a [[joint_set]], or remove the section: its intervals say nothing");
+            "give friction, cohesion or aperture a law, add a [[joint_set]], or remove the section: its intervals say "
+            "nothing");
 }
 
 }  // namespace
@@ -195,6 +227,7 @@ void find_notes(const Scene& scene, const TableReader& root) {
   }
   note_sets_alike(scene, root);
   note_nothing_drawn(scene, root);
+  note_levels(scene, root);
   if (!scene.stability) {
     if (root.has("stability")) {
       problems.note(root.line_of("stability"), "stability", "nothing is free: no excavation and no free face",

@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <string_view>
+#include <variant>
 
 #include "cleave/scene3d/key_tables.hpp"
 #include "context.hpp"
@@ -13,6 +15,7 @@ namespace {
 
 constexpr NumberRule viscosity_rule = NumberRule{0, true, 1e3, false, " m2/s"}.usually(2e-7, 1e-4);
 constexpr NumberRule tolerance_rule{1e-6, false, 10, false, ""};
+constexpr std::array<std::string_view, 1> known_meshes{"pflotran"};
 
 const KeyTable& flow_side_keys() {
   static const KeyTable keys{
@@ -21,6 +24,36 @@ const KeyTable& flow_side_keys() {
                {"level", key::number(rule::coordinate), "", "m, z: water stands there to this level"},
                {"closed", key::flag(), "false", "no water passes"}}};
   return keys;
+}
+
+void parse_exports(const TableReader& table, bool ensemble, FlowSettings& settings) {
+  for (const std::string& name : table.texts("exports").value_or(std::vector<std::string>{})) {
+    if (std::ranges::find(known_meshes, name) == known_meshes.end()) {
+      table.error("exports", fmt::format("\"{}\" is not known", name), "the mesh is written for \"pflotran\"");
+      continue;
+    }
+    settings.pflotran = true;
+  }
+  if (settings.pflotran && !settings.flows()) {
+    table.error("exports", "wants heads, and no water stands anywhere",
+                "give [flow] a level, or [[flow.side]] one; flow.vtu has the mesh without water");
+  }
+  if (settings.pflotran && ensemble) {
+    table.note("exports", "writes the mesh of one network, and an ensemble has many",
+               "cleave replay writes that of a realization");
+  }
+}
+
+/// Whether [joints] says something of it, right or wrong.
+bool states_aperture(const TableReader& root, std::string_view set) {
+  const TomlEntry* joints = root.find("joints");
+  const auto* tables = joints != nullptr ? std::get_if<TomlTable>(&joints->node.value) : nullptr;
+  if (tables == nullptr) return false;
+  return std::ranges::any_of(tables->entries, [&](const TomlEntry& entry) {
+    const auto* table = std::get_if<TomlTable>(&entry.node.value);
+    return (entry.key == set || entry.key == "default") && table != nullptr &&
+           std::ranges::find(table->entries, "aperture", &TomlEntry::key) != table->entries.end();
+  });
 }
 
 void parse_side(const TableReader& table, const std::optional<geometry::Solid>& domain, FlowSettings& settings) {
@@ -54,7 +87,9 @@ const KeyTable& flow_keys() {
                {"viscosity", key::number(viscosity_rule), "1.004e-6", "m2/s, kinematic: water at 20 degrees"},
                {"tolerance", key::number(tolerance_rule), "0.02",
                 "half width of the bounds of the inflow over the inflow: the mesh is refined until then"},
-               {"max_triangles", key::whole(1000, 20'000'000), "1000000", "the mesh grows no further"}}};
+               {"max_triangles", key::whole(1000, 20'000'000), "1000000", "the mesh grows no further"},
+               {"exports", key::array(key::word(known_meshes)), "[]",
+                "the mesh with its water for other programs, as `flow_mesh.uge` and so on ([flow.md](flow.md))"}}};
   return keys;
 }
 
@@ -70,9 +105,10 @@ std::optional<FlowSettings> parse_flow(const TableReader& root, const Context& c
   settings.viscosity = Transmissivity::from_si(table.value("viscosity"));
   settings.tolerance = table.value("tolerance");
   settings.most_triangles = static_cast<std::size_t>(table.count("max_triangles"));
+  parse_exports(table, root.has("monte_carlo"), settings);
   if (!settings.flows()) return settings;
   for (const SetId set : used) {
-    if (context.sets[set].properties.aperture) continue;
+    if (context.sets[set].properties.aperture || states_aperture(root, context.sets[set].name)) continue;
     table.problems().error(table.line(), "joints." + context.sets[set].name + ".aperture",
                            "is missing, and water flows in all joints",
                            "give every set an aperture in m, or one for all: [joints.default] aperture = 1e-4");

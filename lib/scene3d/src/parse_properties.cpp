@@ -187,13 +187,15 @@ void note_apex(Context& context, std::string_view name, std::uint32_t line, cons
 KeyTable make_law_keys(const NumberRule& rule) {
   NumberRule limit = rule;
   limit.usual.reset();
+  NumberRule least = limit;  // what is drawn lies above an open end all the same
+  least.low_open = false;
   return {.name = rule.unit.empty() ? std::string{"law"} : fmt::format("law in{}", rule.unit),
           .keys = {{"distribution", key::word<FrictionLaw::Kind>(), required,
                     "`uniform` has `min` and `max`, `normal` and "
                     "`lognormal` have `mean` and `std`, `exponential` and `constant` have `mean`"},
                    {"mean", key::number(rule), "", "of the law before it is cut to `min`..`max`"},
-                   {"std", key::number(limit), "", "of the law before it is cut"},
-                   {"min", key::number(limit), "", "lower limit"},
+                   {"std", key::number(least), "", "of the law before it is cut"},
+                   {"min", key::number(least), "", "lower limit"},
                    {"max", key::number(limit), "", "upper limit"}}};
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <tuple>
 
 #include "detail/face_triangles.hpp"
 
@@ -23,21 +24,26 @@ std::vector<JointId> joints_of(const BlockParts& parts, const PlaneFace& face) {
   return joints;
 }
 
-/// What an edge of joints ends on, where a surface of the rock goes through it: an excavation before a free side of the
+/// What an edge of joints ends on, where surfaces of the rock go through it: an excavation before a free side of the
 /// domain, that before a fixed one.
-std::optional<Nature> surface_at(const BlockParts& parts, const Edge& edge) {
-  const auto rank = [](const Nature& n) { return n.excavation != none ? 0 : n.role == Role::free ? 1 : 2; };
-  std::optional<Nature> found;
+std::vector<Nature> surfaces_at(const BlockParts& parts, const Edge& edge) {
+  const auto key = [](const Nature& n) {
+    return n.excavation != none ? std::tuple{0, n.excavation, Role::free, none}
+                                : std::tuple{n.role == Role::free ? 1 : 2, none, n.role, n.tag};
+  };
+  std::vector<Nature> found;
   for (Index u = edge.first_use; u < edge.first_use + edge.use_count; ++u) {
     for (const Index h : {2 * u, 2 * u + 1}) {
       const Index face = parts.arrangement.face[h];
       if (face == none) continue;
       const bool up = parts.block_of[2 * face] != none, down = parts.block_of[2 * face + std::size_t{1}] != none;
       if (up == down) continue;
-      const Nature nature = parts.nature(up ? 2 * face : 2 * face + 1);
-      if (!found || rank(nature) < rank(*found)) found = nature;
+      found.push_back(parts.nature(up ? 2 * face : 2 * face + 1));
     }
   }
+  std::ranges::stable_sort(found, {}, key);
+  const auto repeated = std::ranges::unique(found, {}, key);
+  found.erase(repeated.begin(), repeated.end());
   return found;
 }
 
@@ -85,12 +91,18 @@ JointNetwork make_joint_network(const BlockParts& parts, const std::vector<Vec3>
   for (Index e = 0; e < parts.graph.edges.size(); ++e) {
     if (in_joint[e] == 0) continue;
     const Edge& edge = parts.graph.edges[e];
-    const auto surface = surface_at(parts, edge);
-    if (!surface) continue;
-    out.borders.push_back({.ends = {vertex_id(edge.from), vertex_id(edge.to)},
-                           .role = surface->role,
-                           .excavation = number_if(surface->excavation),
-                           .tag = number_if(surface->tag)});
+    const auto number = static_cast<std::uint32_t>(out.borders.size());
+    for (const Nature& surface : surfaces_at(parts, edge)) {
+      const auto excavation = number_if(surface.excavation), tag = number_if(surface.tag);
+      if (out.borders.size() == number) {
+        out.borders.push_back({.ends = {vertex_id(edge.from), vertex_id(edge.to)},
+                               .role = surface.role,
+                               .excavation = excavation,
+                               .tag = tag});
+      } else {
+        out.others.push_back({.border = number, .role = surface.role, .excavation = excavation, .tag = tag});
+      }
+    }
   }
   return out;
 }

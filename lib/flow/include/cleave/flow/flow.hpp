@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <expected>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <variant>
@@ -147,10 +148,13 @@ struct Flow {
   std::vector<SurfaceFlow> surfaces = {};
   std::vector<FlowRate> out_of_border = {};            ///< of each of the mesh's borders
   std::vector<std::uint32_t> triangle_of_border = {};  ///< one that lies there
-  Rate drained = {};                                   ///< out of all drained surfaces
-  Area wet_area = {}, area = {};                       ///< of joints
-  double residual = 0;                                 ///< of the equations, relative, the largest
-  double imbalance = 0;                                ///< of all rates, of the sum of their sizes
+  std::vector<std::uint8_t> open = {};                 ///< of each border: water passes, at balanced rates
+  /// Of each triangle's corners: continuous heads are given there, by standing water or as z where water comes out.
+  std::vector<std::array<std::uint8_t, 3>> held = {};
+  Rate drained = {};              ///< out of all drained surfaces
+  Area wet_area = {}, area = {};  ///< of joints
+  double residual = 0;            ///< of the equations, relative, the largest
+  double imbalance = 0;           ///< of all rates, of the sum of their sizes
   std::vector<FlowRound> rounds = {};
   FlowStatus status = FlowStatus::converged;
 };
@@ -158,6 +162,50 @@ struct Flow {
 /// Error: rates of the lowest order with meshes that follow the error; the width of the bounds falls like one over the
 /// number of triangles, whatever the shape of the network.
 [[nodiscard]] std::expected<Flow, FlowError> solve(const Network& network, const FlowOptions& options = {});
+
+// ---- For programs that send water from cell to cell ----------------------------------------------------------------
+
+/// The same water on a mesh for two-point fluxes, made from that of `flow`: sides are turned until no flat piece has
+/// two angles across a side that add up to more than half a turn (Lawson 1977), and what no turn mends (obtuse angles
+/// across from lines in which joints meet, and from borders) is split in the middle, in a few passes. `flow` has come
+/// from `solve`. Continuous heads alone: no rates and no bounds, those of `flow` hold.
+[[nodiscard]] std::expected<Flow, FlowError> solve_for_two_points(const Network& network, const Flow& flow,
+                                                                  std::size_t most_triangles = 1'000'000);
+
+/// The water around a corner of the mesh: a third of each triangle there.
+struct FlowCell {
+  geometry::Vec3 at;  ///< m
+  Volume volume = {};
+  Length head = {};
+};
+/// Two cells that share a side of the mesh: conductance times the difference of their heads passes between them. It is
+/// the sum over the triangles at the side of T cot(angle across) / 2.
+struct FlowConnection {
+  std::array<std::uint32_t, 2> cells;  ///< ascending
+  Transmissivity conductance = {};
+};
+/// A cell whose head is given.
+struct HeldCell {
+  std::uint32_t cell;
+  std::uint32_t surface;  ///< of several the first with standing water
+  FlowRate out = {};      ///< that the cells around send it, at the heads of the Flow
+};
+
+/// What is wet of a mesh as cells about its corners. Sums over connections are the equations of heads that are linear
+/// in triangles, to the last digit: a program of two-point fluxes that is given the heads of held cells finds all.
+/// Of drained surfaces those cells are held that water comes out of; the others are closed, and no head is above z.
+struct FlowCells {
+  std::vector<FlowCell> cells = {};
+  std::vector<std::array<std::uint32_t, 3>> triangles = {};  ///< the cells at their corners
+  std::vector<std::uint32_t> triangle_of = {};               ///< of each of them: its number in Flow::mesh
+  std::vector<FlowConnection> connections = {};              ///< one a side, ascending
+  std::vector<HeldCell> held = {};                           ///< ascending
+  std::size_t negative = 0;                                  ///< connections whose conductance is below 0
+  double negative_share = 0;                                 ///< theirs of the sum of all sizes
+  double imbalance = 0;  ///< the largest of what stays in a cell that is not held, of what goes through it
+};
+/// `flow` is a solution of `network`; `openings`: of each of its parts how far the walls are apart, m.
+[[nodiscard]] FlowCells cells_of(const Flow& flow, const Network& network, std::span<const Length> openings);
 
 // ---- From a cut -----------------------------------------------------------------------------------------------------
 
@@ -172,9 +220,15 @@ struct RockSurface {
 /// Where the joints of a cut end on surfaces of the rock: those that any reaches, domain sides before excavations.
 struct JointSurfaces {
   std::vector<RockSurface> surfaces;
-  std::vector<std::uint32_t> of_border;  ///< of each of JointNetwork::borders
+  std::vector<std::uint32_t> of_border;                              ///< of each of JointNetwork::borders
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> others = {};  ///< border, one more surface there
 };
 [[nodiscard]] JointSurfaces surfaces_of(const topology::JointNetwork& network);
+
+/// Borders that lie in an edge of the rock become those of the surface there that water passes, if any; `conditions`
+/// are those of the surfaces. Two that would give water different heads are refused.
+[[nodiscard]] std::expected<void, HeadsMeet> settle_edges(const topology::BlockComplex& complex,
+                                                          std::span<const Surface> conditions, JointSurfaces& surfaces);
 
 /// The mesh of a cut that was made with CutInput::keep_network: parts are its pieces. Points are in m relative to the
 /// complex's origin, and so are heads. Sides shorter than 1e-11 of the network's extent, whose direction positions in

@@ -79,6 +79,53 @@ void fields(V& v, const FlowPair& x) {
   v("to", x.to);
 }
 
+/// A file of cells whose heads are given.
+struct FlowMeshBoundary {
+  std::string file;
+  std::vector<std::string> surfaces;
+  std::optional<Length> level;           ///< z; empty: drained
+  std::vector<std::uint32_t> held = {};  ///< into FlowCells::held
+  FlowRate out = {};
+};
+template <class V>
+void fields(V& v, const FlowMeshBoundary& x) {
+  v("file", x.file);
+  v("surfaces", x.surfaces, "names");
+  v("level_m", x.level, "head of its cells; absent: drained, the head is z");
+  v("cells", x.held.size());
+  v("out_m3_s", x.out, "out of the rock, of two-point fluxes: what another program should find; below 0: into it");
+}
+
+/// The mesh as cells, for programs of two-point fluxes.
+struct FlowMesh {
+  flow::Flow flow = {};  ///< on its triangles: heads alone
+  flow::FlowCells cells = {};
+  Area permeability = {};  ///< of all cells
+  Transmissivity viscosity = {};
+  std::vector<Length> opening_of_part = {};
+  std::vector<Transmissivity> transmissivity_of_part = {};
+  std::vector<FlowMeshBoundary> boundaries = {};  ///< standing water by surface, then all that is drained
+  /// m/s: rate across a unit of area under a unit fall of the head.
+  [[nodiscard]] auto conductivity() const { return Acceleration::from_si(9.81) * permeability / viscosity; }
+  [[nodiscard]] Volume volume() const {
+    Volume sum;
+    for (const flow::FlowCell& cell : cells.cells) sum += cell.volume;
+    return sum;
+  }
+};
+template <class V>
+void fields(V& v, const FlowMesh& x) {
+  v("triangles", x.flow.mesh.triangles.size(), "of joints, dry ones too");
+  v("cells", x.cells.cells.size(), "about corners of triangles");
+  v("connections", x.cells.connections.size());
+  v("negative", x.cells.negative, "connections whose area is below 0");
+  v("negative_share", x.cells.negative_share, "of the sum of the sizes of all conductances");
+  v("volume_m3", x.volume(), "of water in wet joints");
+  v("permeability_m2", x.permeability, "of all cells: areas hold what apertures differ by");
+  v("imbalance", x.cells.imbalance, "the largest of a cell, of the largest rate through one");
+  v("boundaries", x.boundaries);
+}
+
 struct FlowResult {
   flow::Connectivity connectivity = {};
   std::vector<FlowSurface> surfaces = {};
@@ -89,6 +136,7 @@ struct FlowResult {
   geometry::Vec3 origin = {};
   std::vector<topology::JointId> joint_of_part = {};  ///< of the parts of the mesh: the first joint there
   std::vector<Length> aperture_of_part = {};
+  std::optional<FlowMesh> mesh = {};  ///< where it is asked for
   std::vector<std::string> notes = {};
 
   /// Shares of the joints' area.
@@ -126,6 +174,7 @@ void fields(V& v, const FlowResult& x) {
   v("rounds", when(x.flow.has_value(), f.rounds.size()), "meshes");
   v("residual", when(x.flow.has_value(), f.residual), "of the equations, relative");
   v("imbalance", when(x.flow.has_value(), f.imbalance), "of all rates, relative");
+  v("mesh", x.mesh, "for programs of two-point fluxes (`exports`)");
 }
 
 /// What [flow] takes for granted.

@@ -273,6 +273,7 @@ struct FlowSettings {
   Transmissivity viscosity = Transmissivity::from_si(1.004e-6);  ///< kinematic
   double tolerance = 0.02;
   std::size_t most_triangles = 1'000'000;
+  bool pflotran = false;   ///< the mesh is written for programs of two-point fluxes
   std::uint32_t line = 1;  ///< in the scene file
   /// Water stands somewhere.
   [[nodiscard]] bool flows() const {

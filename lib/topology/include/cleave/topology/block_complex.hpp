@@ -367,6 +367,14 @@ struct JointBorder {
   std::optional<std::uint32_t> tag;
 };
 
+/// One more surface of the rock at a border that lies in an edge between several.
+struct BorderSide {
+  std::uint32_t border;  ///< into JointNetwork::borders
+  Role role;
+  std::optional<std::uint32_t> excavation;
+  std::optional<std::uint32_t> tag;
+};
+
 /// The joints as they lie in the rock, kept with CutInput::keep_network: cut along every line in which they meet each
 /// other and the surface of the rock, and into triangles. It conforms: two triangles have a side in common, a corner,
 /// or nothing; more than two meet in a side where joints cross. Triangles are never flat and turn counter-clockwise
@@ -374,7 +382,8 @@ struct JointBorder {
 struct JointNetwork {
   std::vector<std::array<VertexId, 3>> triangles;
   std::vector<JointPiece> pieces;
-  std::vector<JointBorder> borders;
+  std::vector<JointBorder> borders;  ///< in an edge of the rock: of an excavation before a free side before a fixed one
+  std::vector<BorderSide> others = {};
 };
 
 /// What one excavation takes of the domain (or window).
