@@ -47,7 +47,7 @@ std::vector<Touch> reduced(const std::vector<Touch>& list) {
   std::ranges::stable_sort(order, {}, pair_of);
   for (std::size_t first_of_pair = 0, end = 0; first_of_pair < order.size(); first_of_pair = end) {
     while (end < order.size() && pair_of(order[end]) == pair_of(order[first_of_pair])) ++end;
-    const std::span<const std::uint32_t> own{order.data() + first_of_pair, end - first_of_pair};
+    const auto own = std::span<const std::uint32_t>{order}.subspan(first_of_pair, end - first_of_pair);
     for (std::size_t a = 0; a < own.size(); ++a) {
       if (used[own[a]] != 0) continue;
       const Touch& first = list[own[a]];

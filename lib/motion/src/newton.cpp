@@ -159,7 +159,8 @@ double rounding_of(const std::vector<linear::Projection>& locals, double rho, co
     carried = std::max(carried, l.x.lpNorm<Eigen::Infinity>());
     any = any || l.any;
   }
-  const double followed = any ? std::sqrt(static_cast<double>(locals.size())) * (1 + v.lpNorm<Eigen::Infinity>()) / rho : 0;
+  const double followed =
+      any ? std::sqrt(static_cast<double>(locals.size())) * (1 + v.lpNorm<Eigen::Infinity>()) / rho : 0;
   return std::numeric_limits<double>::epsilon() * (8 * carried + followed);
 }
 
