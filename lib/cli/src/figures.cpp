@@ -1,5 +1,6 @@
 #include "figures.hpp"
 
+#include "cleave/core/text.hpp"
 #include "cleave/core/version.hpp"
 #include "say.hpp"
 
@@ -93,30 +94,24 @@ std::string support_verdict(const scene::SupportFigures& support, const std::vec
                      elsewhere.fails.empty() ? "" : ", DOES NOT PASS ", elsewhere.fails);
 }
 
-/// "1 block", "3 blocks".
-std::string counted(std::uint64_t count, std::string_view word, std::string_view one = "",
-                    std::string_view many = "s") {
-  return fmt::format("{} {}{}", count, word, count == 1 ? one : many);
-}
-
 std::string support_lines(const scene::SupportFigures& support, const std::vector<scene::DesignResult>& designs,
                           const std::vector<scene::SupportCaseFigures>& cases) {
   const auto all = group([&](auto& v) { scene::support_fields(v, support, {}, designs, {}); });
   const bool one = support.blocks == 1;
   std::string text =
       fmt::format("support      {}: {} below {} target by {} ", support_verdict(support, cases),
-                  counted(support.blocks, "block"), one ? "its" : "their", one ? "itself" : "themselves") +
+                  counted(support.blocks, "block", "blocks"), one ? "its" : "their", one ? "itself" : "themselves") +
       say("(falling {target_falling:g}, sliding {target_sliding:g}): {held_by_bolts} held by bolts, "
           "{held_by_shotcrete} by shotcrete, {held_by_both} by both, {not_held} not held\n",
           all);
   if (support.key_blocks_behind > 0) {
-    text +=
-        fmt::format("  {} {} behind {} and {} where {} held\n", counted(support.key_blocks_behind, "more key block"),
-                    support.key_blocks_behind == 1 ? "lies" : "lie", one ? "it" : "them",
-                    support.key_blocks_behind == 1 ? "stays" : "stay", one ? "it is" : "they are");
+    text += fmt::format("  {} {} behind {} and {} where {} held\n",
+                        counted(support.key_blocks_behind, "more key block", "more key blocks"),
+                        support.key_blocks_behind == 1 ? "lies" : "lie", one ? "it" : "them",
+                        support.key_blocks_behind == 1 ? "stays" : "stay", one ? "it is" : "they are");
   }
-  text += fmt::format("  {}, {} ({} failing); ", counted(support.bolts, "bolt"),
-                      counted(support.combined, "stitched bod", "y", "ies"), support.combined_failing) +
+  text += fmt::format("  {}, {} ({} failing); ", counted(support.bolts, "bolt", "bolts"),
+                      counted(support.combined, "stitched body", "stitched bodies"), support.combined_failing) +
           say(one ? "required by this block {required_force_n}, missing {missing_force_n}\n"
                   : "required by these blocks {required_force_n}, missing {missing_force_n}\n",
               all);
@@ -133,14 +128,14 @@ std::string support_lines(const scene::SupportFigures& support, const std::vecto
             all);
   }
   for (const scene::SupportCaseFigures& load : cases) {
-    text += fmt::format("  under {}: {} below {} target ", load.name, counted(load.figures.blocks, "block"),
+    text += fmt::format("  under {}: {} below {} target ", load.name, counted(load.figures.blocks, "block", "blocks"),
                         load.figures.blocks == 1 ? "its" : "their") +
             say("({target_falling:g}, {target_sliding:g}), {not_held} not held; required by these blocks "
                 "{required_force_n}, missing {missing_force_n}\n",
                 load);
   }
   if (support.groups && support.groups->count > 0) {
-    text += fmt::format("  {} of blocks below {} target, ", counted(support.groups->count, "group"),
+    text += fmt::format("  {} of blocks below {} target, ", counted(support.groups->count, "group", "groups"),
                         support.groups->count == 1 ? "its" : "their") +
             say("{not_held} not held, {in_doubt} in doubt\n", *support.groups);
   }

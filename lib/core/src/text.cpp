@@ -122,4 +122,8 @@ std::string csv_field(std::string_view text, std::string_view others) {
   return result + '"';
 }
 
+std::string counted(std::uint64_t count, std::string_view one, std::string_view more) {
+  return std::to_string(count) + ' ' + std::string{count == 1 ? one : more};
+}
+
 }  // namespace cleave

@@ -232,8 +232,7 @@ double Newton::solve(const Programme& programme, std::vector<Vector3d>& x, const
     if (hidden < least || nearer) best = x;
     least = std::min(least, hidden);
     least_change = std::min(least_change, rho * change);
-    // Of less weight than rounding allows there is nothing to be had.
-    if (hidden <= enough || rho * change <= 1e-2 * off) break;
+    if (hidden <= enough) break;
     if (better && ++at_fine < schedule.last) continue;
     if (fine <= schedule.finest || least <= 100 * enough) break;
     rho = fine = std::max(schedule.finest, 0.1 * fine);

@@ -192,7 +192,8 @@ std::expected<World, BadScene> World::make(SceneSpec scene, WorldOptions options
   }
   impl->extent = extent_of(corners);
   std::vector<std::uint32_t> pair;
-  if (impl->deepest_overlap(impl->look().pairs, pair) > options.overlap) {
+  const std::vector<double> still(impl->shapes.size(), 0);
+  if (impl->deepest_overlap(impl->near_pairs(still), pair) > options.overlap) {
     return std::unexpected(BadScene{"", "two bodies overlap at the start", pair});
   }
   World world{std::move(impl)};

@@ -41,8 +41,6 @@ namespace {
 using flow::RockSurface;
 using topology::Role;
 
-constexpr double gravity = 9.81;  ///< m/s2, of the cubic law
-
 /// Tags of fixed sides that an opening cuts, or that meet a free side, below a level.
 std::set<std::uint32_t> cut_sides(const topology::BlockComplex& complex, double level) {
   std::vector<std::uint8_t> at_opening(complex.vertices().size(), 0);
@@ -200,11 +198,11 @@ class FlowRun {
       passes += area * network.transmissivity()[f.mesh.part[t]].si();
       volume += area * openings[f.mesh.part[t]].si();
     }
-    return square_metres(passes / volume * settings_.viscosity.si() / gravity);
+    return square_metres(passes / volume * settings_.viscosity.si() / flow::earth_gravity.si());
   }
 
   [[nodiscard]] Transmissivity transmissivity(Length aperture) const {
-    return Transmissivity::from_si(flow::cubic_law(aperture.si(), settings_.viscosity.si(), gravity));
+    return Transmissivity::from_si(flow::cubic_law(aperture.si(), settings_.viscosity.si(), flow::earth_gravity.si()));
   }
   [[nodiscard]] Problem problem(std::string what, std::string remedy) const {
     return {scene_.shown, settings_.line, "flow", std::move(what), std::move(remedy)};

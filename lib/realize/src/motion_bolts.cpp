@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include "cleave/core/text.hpp"
+
 namespace cleave::scene {
 namespace {
 
@@ -126,10 +128,6 @@ class Ties {
   MotionCast& cast_;
   std::optional<Unsupported> unsupported_;
 };
-
-std::string counted(std::size_t count, std::string_view one, std::string_view more) {
-  return fmt::format("{} {}", count, count == 1 ? one : more);
-}
 
 }  // namespace
 

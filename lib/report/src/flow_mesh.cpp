@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using geometry::Vec3;
 
-constexpr double gravity = 9.81;         ///< m/s2
+constexpr double gravity = flow::earth_gravity.si();
 constexpr double density = 1000;         ///< kg/m3: pressures hang on it, rates do not
 constexpr double air_pressure = 101325;  ///< Pa
 /// A head is imposed beside its cell, through this many times what conducts to the cells around.

@@ -21,8 +21,7 @@ namespace {
 std::string pressure_table(const std::vector<scene::PressureFigures>& pressures) {
   if (pressures.empty()) return {};
   return "<p class=\"small\">Support pressure by place, as shares of the loaded faces: those through which single "
-         "blocks "
-         "below their target come out. Groups of blocks are not in it.</p>\n" +
+         "blocks below their target come out. Groups of blocks are not in it.</p>\n" +
          html_table({{"place"},
                      {"opening_area_m2", "Walls (m2)", 3},
                      {"area_m2", "Loaded (m2)", 3},

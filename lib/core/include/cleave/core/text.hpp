@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -36,5 +37,8 @@ namespace cleave {
 /// One field of a CSV row: in quotes where it holds a comma, a quote, a line end or one of `others`; what would be a
 /// formula has an apostrophe before it.
 [[nodiscard]] std::string csv_field(std::string_view text, std::string_view others = {});
+
+/// "1 block", "3 blocks": the count, and the word for one or for more.
+[[nodiscard]] std::string counted(std::uint64_t count, std::string_view one, std::string_view more);
 
 }  // namespace cleave

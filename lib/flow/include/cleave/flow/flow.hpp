@@ -73,6 +73,9 @@ class Network final {
   NetworkSpec spec_;
 };
 
+/// Of water in joints.
+inline constexpr Acceleration earth_gravity = Acceleration::from_si(9.81);
+
 /// m2/s of two smooth parallel walls: the cubic law, g a^3 / (12 nu). `aperture` in m, `viscosity` kinematic in m2/s.
 [[nodiscard]] constexpr double cubic_law(double aperture, double viscosity, double gravity) noexcept {
   return gravity * aperture * aperture * aperture / (12 * viscosity);

@@ -106,7 +106,7 @@ struct FlowMesh {
   std::vector<Transmissivity> transmissivity_of_part = {};
   std::vector<FlowMeshBoundary> boundaries = {};  ///< standing water by surface, then all that is drained
   /// m/s: rate across a unit of area under a unit fall of the head.
-  [[nodiscard]] auto conductivity() const { return Acceleration::from_si(9.81) * permeability / viscosity; }
+  [[nodiscard]] auto conductivity() const { return flow::earth_gravity * permeability / viscosity; }
   [[nodiscard]] Volume volume() const {
     Volume sum;
     for (const flow::FlowCell& cell : cells.cells) sum += cell.volume;
