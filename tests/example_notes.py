@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""No example says a note that nobody expects: tests/example_notes.py CLEAVE [--night] [--write] [PATTERN]
+"""No example says a note that nobody expects: tests/example_notes.py [--night] [--write] CLEAVE [PATTERN]
 
 Runs the scenes under examples/ whose path holds PATTERN, ensembles with few realizations, and compares the notes in
 log.txt with tests/golden/example_notes.txt, figures left out. Scenes that are marked there as long run with --night
