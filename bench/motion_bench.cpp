@@ -1,5 +1,5 @@
 /// Blocks in motion by the ten thousand: stacks at rest, cubes that slide, columns that fall, a rock asleep in which a
-/// few blocks slide. One thread. Answers checked.
+/// few blocks slide. One thread, and where said two. Answers checked.
 
 #include <benchmark/benchmark.h>
 
@@ -66,9 +66,10 @@ BENCHMARK(stacks_at_rest)->Arg(25)->Unit(benchmark::kMillisecond)->Iterations(1)
 /// Cubes on the level, each for itself, slower by the same.
 void cubes_slide(benchmark::State& state) {
   const int side = static_cast<int>(state.range(0));
+  const auto threads = static_cast<unsigned>(state.range(1));
   std::vector<BodySpec> bodies = stacks(side, 1);
   for (BodySpec& b : bodies) b.velocity = b.fixed ? Vec3{} : Vec3{2, 1, 0};
-  auto made = World::make({.bodies = std::move(bodies), .surfaces = {{0.3, 0}}}, {.step = 0.01});
+  auto made = World::make({.bodies = std::move(bodies), .surfaces = {{0.3, 0}}}, {.step = 0.01, .threads = threads});
   bool fine = made.has_value();
   for (auto _ : state) {
     if (fine) steps(state, *made, 20, fine);
@@ -77,12 +78,13 @@ void cubes_slide(benchmark::State& state) {
   for (std::size_t b = 0; fine && b + 1 < made->size(); ++b) fine = std::abs(norm(made->velocity(b)) - left) < 1e-6;
   if (!fine) state.SkipWithError("not the speed of a slide");
 }
-BENCHMARK(cubes_slide)->Arg(100)->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK(cubes_slide)->Args({100, 1})->Args({100, 2})->Unit(benchmark::kMillisecond)->Iterations(1)->UseRealTime();
 
 /// Smooth columns with gaps that come down: the last cube has landed after 0.78 s, and all energy is lost.
 void columns_fall(benchmark::State& state) {
   const int side = static_cast<int>(state.range(0)), height = static_cast<int>(state.range(1));
-  auto made = World::make({.bodies = stacks(side, height, 0.01, 2)}, {.step = 0.01});
+  const auto threads = static_cast<unsigned>(state.range(2));
+  auto made = World::make({.bodies = stacks(side, height, 0.01, 2)}, {.step = 0.01, .threads = threads});
   bool fine = made.has_value();
   double count = 0;
   for (auto _ : state) {
@@ -96,7 +98,13 @@ void columns_fall(benchmark::State& state) {
   const double lost = fine ? made->energy().lost + made->energy().friction : 0;
   if (!fine || std::abs(lost / fall - 1) > 1e-6) state.SkipWithError("not all that they fell is lost");
 }
-BENCHMARK(columns_fall)->Args({10, 20})->Args({10, 100})->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK(columns_fall)
+    ->Args({10, 20, 1})
+    ->Args({10, 100, 1})
+    ->Args({10, 100, 2})
+    ->Unit(benchmark::kMillisecond)
+    ->Iterations(1)
+    ->UseRealTime();
 
 /// Cubes that sleep, and ten that slide far from them.
 void asleep(benchmark::State& state) {

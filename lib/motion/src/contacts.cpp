@@ -12,6 +12,21 @@ namespace {
 
 using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
+/// What `part(first, last)` makes of [0, count), piece by piece, in order.
+template <class Part>
+auto in_pieces(std::size_t count, ThreadLimit threads, const Part& part) {
+  constexpr std::size_t piece = 256;
+  auto parts = parallel_map((count + piece - 1) / piece, threads,
+                            [&](std::size_t k) { return part(k * piece, std::min(count, (k + 1) * piece)); });
+  if (parts.size() == 1) return std::move(parts[0]);
+  decltype(part(0, 0)) out;
+  std::size_t size = 0;
+  for (const auto& own : parts) size += own.size();
+  out.reserve(size);
+  for (const auto& own : parts) out.insert(out.end(), own.begin(), own.end());
+  return out;
+}
+
 /// Whether a point lies in a cell, by more than `depth`.
 bool within(const Placed& cell, Vec3 p, double depth) {
   for (std::size_t s = 0; s < cell.normals.size(); ++s) {
@@ -93,48 +108,51 @@ std::vector<Pair> World::Impl::near_pairs(const std::vector<double>& travel) con
     moving.push_back(c);
     boxes.push_back(placed[c].box.grown(travel[placed[c].body]));
   }
-  std::vector<Pair> out;
-  if (moving.empty()) return out;
+  if (moving.empty()) return {};
   const geometry::BoxTree tree{boxes};
-  for (std::uint32_t c = 0; c < placed.size(); ++c) {
-    const std::uint32_t body = placed[c].body;
-    tree.overlapping(placed[c].box.grown(travel[body]), [&](std::uint32_t at) {
-      const std::uint32_t other = moving[at];
-      if (placed[other].body == body || (moves(body) && other < c)) return;
-      out.emplace_back(std::min(c, other), std::max(c, other));
-    });
-  }
+  std::vector<Pair> out = in_pieces(placed.size(), ThreadLimit{options.threads}, [&](std::size_t first, std::size_t last) {
+    std::vector<Pair> own;
+    for (auto c = static_cast<std::uint32_t>(first); c < last; ++c) {
+      const std::uint32_t body = placed[c].body;
+      tree.overlapping(placed[c].box.grown(travel[body]), [&](std::uint32_t at) {
+        const std::uint32_t other = moving[at];
+        if (placed[other].body == body || (moves(body) && other < c)) return;
+        own.emplace_back(std::min(c, other), std::max(c, other));
+      });
+    }
+    return own;
+  });
   std::ranges::sort(out);
   return out;
 }
 
 std::vector<Touch> World::Impl::touches_of(const std::vector<Pair>& pairs, const std::vector<double>& travel,
                                            bool strict) const {
-  std::vector<Touch> out, own;
-  out.reserve(touches.size());
-  for (const auto& [i, j] : pairs) {
-    const Placed &a = placed[i], &b = placed[j];
-    const auto axis = widest_axis(a, b);
-    const double reach = travel[a.body] + travel[b.body];
-    if (!axis || axis->gap > reach) continue;
-    own.clear();
-    touches_along(a, b, *axis, reach, strict, own);
-    if (own.empty()) continue;
-    // A border between two cells of one body is no skin: nothing touches what is covered.
-    const Shape& shape = shapes[own[0].other];
-    if (shape.last_cell - shape.first_cell > 1) {
-      Vec3 middle;
-      for (const Touch& t : own) middle += (t.point - t.gap * t.normal) / static_cast<double>(own.size());
-      const Vec3 probe = middle + 1e-6 * own[0].size * own[0].normal;
-      bool covered = false;
-      for (std::uint32_t c = shape.first_cell; c < shape.last_cell && !covered; ++c) {
-        covered = c != own[0].other_cell && within(placed[c], probe, 1e-8 * own[0].size);
-      }
-      if (covered) continue;
+  return reduced(in_pieces(pairs.size(), ThreadLimit{options.threads}, [&](std::size_t first, std::size_t last) {
+    std::vector<Touch> out, own;
+    for (const auto& [i, j] : std::span{pairs}.subspan(first, last - first)) {
+      const Placed &a = placed[i], &b = placed[j];
+      const auto axis = widest_axis(a, b);
+      const double reach = travel[a.body] + travel[b.body];
+      if (!axis || axis->gap > reach) continue;
+      own.clear();
+      touches_along(a, b, *axis, reach, strict, own);
+      if (!own.empty() && !is_covered(own)) out.insert(out.end(), own.begin(), own.end());
     }
-    out.insert(out.end(), own.begin(), own.end());
+    return out;
+  }));
+}
+
+bool World::Impl::is_covered(const std::vector<Touch>& own) const {
+  const Shape& shape = shapes[own[0].other];
+  if (shape.last_cell - shape.first_cell < 2) return false;
+  Vec3 middle;
+  for (const Touch& t : own) middle += (t.point - t.gap * t.normal) / static_cast<double>(own.size());
+  const Vec3 probe = middle + 1e-6 * own[0].size * own[0].normal;
+  for (std::uint32_t c = shape.first_cell; c < shape.last_cell; ++c) {
+    if (c != own[0].other_cell && within(placed[c], probe, 1e-8 * own[0].size)) return true;
   }
-  return reduced(out);
+  return false;
 }
 
 void World::Impl::recall(std::vector<Touch>& list, double step) const {
@@ -199,17 +217,17 @@ World::Impl::Look World::Impl::look() const {
 }
 
 double World::Impl::deepest_overlap(const std::vector<Pair>& near, std::vector<std::uint32_t>& pair) const {
-  double worst = 0;
-  for (const auto& [i, j] : near) {
-    const Placed &a = placed[i], &b = placed[j];
+  std::vector<double> shares(near.size());
+  parallel_for(near.size(), ThreadLimit{options.threads}, [&](std::size_t k) {
+    const Placed &a = placed[near[k].first], &b = placed[near[k].second];
     const double size = std::min(shapes[a.body].size, shapes[b.body].size);
-    const double share = overlap_depth(a, b, 0.1 * options.overlap * size) / size;
-    if (share > worst) {
-      worst = share;
-      pair = {a.body, b.body};
-    }
-  }
-  return worst;
+    shares[k] = overlap_depth(a, b, 0.1 * options.overlap * size) / size;
+  });
+  const auto worst = std::ranges::max_element(shares);
+  if (worst == shares.end() || !(*worst > 0)) return 0;
+  const Pair& of = near[static_cast<std::size_t>(worst - shares.begin())];
+  pair = {placed[of.first].body, placed[of.second].body};
+  return *worst;
 }
 
 }  // namespace cleave::motion

@@ -362,13 +362,18 @@ std::expected<bool, World::Impl::Failure> World::Impl::solve_all(const std::vect
     for (const std::uint32_t b : island.bodies) implicit[b] = implicit_for;
     kept = false;
   };
+  // A group takes one rule: the implicit one where one of its bodies does.
   for (const Island& island : islands) {
-    // A group takes one rule: the implicit one where one of its bodies does.
     const bool mixed = std::ranges::any_of(island.bodies, [&](std::uint32_t b) { return implicit[b] != 0; }) &&
                        std::ranges::any_of(island.bodies, [&](std::uint32_t b) { return implicit[b] == 0; });
     if (mixed) take_implicit_rule(island);
-    if (!kept) continue;
-    const Solved solved = solve_island(island, out, mid, step, tolerate);
+  }
+  if (!kept) return false;
+  const std::vector<Solved> all = parallel_map(
+      islands.size(), ThreadLimit{options.threads}, [&](std::size_t k) { return solve_island(islands[k], out, mid, step, tolerate); });
+  for (std::size_t k = 0; k < islands.size(); ++k) {
+    const Island& island = islands[k];
+    const Solved& solved = all[k];
     const SolveReport& report = solved.found.report;
     out.report.iterations += report.iterations;
     out.report.residual = std::max(out.report.residual, report.residual);

@@ -18,6 +18,7 @@ std::string fault_of(const WorldOptions& o) {
   if (!(o.theta >= 0.5 && o.theta <= 1)) return "theta is not between 1/2 and 1";
   if (!(o.displacement > 0) || !(o.rotation > 0)) return "the limits of a step are not positive";
   if (!(o.overlap > 0)) return "the overlap allowed is not positive";
+  if (o.threads == 0) return "there is no thread";
   const GroundMotion& g = o.ground;
   if (g.mean && (!(g.peak.si() >= 0) || !std::isfinite(g.peak.si()) || !(g.end.si() >= 0)))
     return "the ground has no peak or no end";

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "cleave/core/parallel.hpp"
 #include "cleave/motion/world.hpp"
 #include "overlap.hpp"
 #include "solver.hpp"
@@ -239,6 +240,8 @@ struct World::Impl {
       const std::vector<double>& travel) const;
   [[nodiscard]] std::vector<Touch> touches_of(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs,
                                               const std::vector<double>& travel, bool strict) const;
+  /// A border between two cells of one body is no skin: nothing touches what is covered.
+  [[nodiscard]] bool is_covered(const std::vector<Touch>& own) const;
   void recall(std::vector<Touch>& list, double step) const;
   /// Touches that overlap in the end state and that the list does not know, as they were at the kick.
   [[nodiscard]] std::vector<Touch> missed(const std::vector<Touch>& list, const std::vector<Touch>& at_end,

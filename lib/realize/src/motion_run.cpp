@@ -319,10 +319,12 @@ Force MotionResult::largest_bolt_force() const noexcept {
 }
 
 std::expected<MotionResult, Problem> run_motion(const Scene& scene, const Realization& made,
-                                                const BlockComplex& complex, const MovingRun& how) {
+                                                const BlockComplex& complex, const MovingRun& how,
+                                                unsigned threads) {
   MotionCast cast =
       cast_of(scene, *scene.motion, made, complex, waves_of(scene, made, complex), {.gone = {}, .all_free = true});
   motion::WorldOptions options = options_of(scene, *scene.motion, made);
+  options.threads = threads;
   add_ties(scene, made, complex, options, cast);
   auto world = motion::World::make(cast.scene, options);
   if (!world) {

@@ -385,7 +385,7 @@ std::optional<stability::GroupSupport> Realizer::groups_with_support(const stabi
 }
 
 Realizer::Done Realizer::move() {
-  auto moved = run_motion(*scene_, made_, made_.complex->complex(), options_.motion);
+  auto moved = run_motion(*scene_, made_, made_.complex->complex(), options_.motion, options_.threads);
   if (!moved) return std::unexpected(std::vector{std::move(moved).error()});
   made_.motion = *std::move(moved);
   return {};

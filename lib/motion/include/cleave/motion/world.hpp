@@ -245,6 +245,7 @@ struct WorldOptions {
   bool quasi_static = false;  ///< every step starts from rest
   SolverOptions solver = {};
   GroundMotion ground = {};
+  unsigned threads = 1;  ///< at least one; whatever it is, every bit is the same
 };
 
 /// The step was cut as often as allowed and still failed; the world is as it was before.
