@@ -14,10 +14,10 @@
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wold-style-cast"
 #endif
+#include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
 #include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
 #include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
 #include <btBulletDynamicsCommon.h>
-#include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif
@@ -63,7 +63,9 @@ class BulletWorld {
     if (setting.way.contains("2dir")) info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
     if (setting.way.contains("nosplit")) info.m_splitImpulse = 0;
     for (const Floor& f : scene.floors) {
-      shapes_.push_back(std::make_unique<btBoxShape>(btVector3(100, 100, 0.5)));
+      auto rock = std::make_unique<btBoxShape>(btVector3(100, 100, 0.5));
+      rock->initializePolyhedralFeatures();
+      shapes_.push_back(std::move(rock));
       add(0, {0, 0, 0}, btTransform(to_bullet(f.turn), to_bullet(f.turn * Vec3{0, 0, -0.5})), f.friction,
           scene.restitution);
     }
@@ -137,7 +139,7 @@ class BulletWorld {
       shapes_.push_back(std::move(hull));
     }
     principal_.push_back(principal);
-    add(m.mass, {inertia[0][0], inertia[1][1], inertia[2][2]},
+    add(m.mass, {inertia.getRow(0).x(), inertia.getRow(1).y(), inertia.getRow(2).z()},
         btTransform(to_bullet(b.turn) * principal, to_bullet(b.at)), b.friction, restitution);
     bodies_.back()->setLinearVelocity(to_bullet(b.velocity));
     bodies_.back()->setAngularVelocity(to_bullet(b.spin));

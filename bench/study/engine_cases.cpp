@@ -14,9 +14,9 @@
 namespace cleave::study::engines {
 namespace {
 
+using motion::turn_by;
 using motion::shapes::block;
 using motion::shapes::degree;
-using motion::turn_by;
 
 constexpr double g = 9.81;
 
@@ -66,8 +66,7 @@ Case slides(bool stick) {
     Scene scene{.bodies = {box_body({1, 2, 0.5}, plane * Vec3{0, 0, 0.25}, tangent(friction),
                                     plane * turn_by({0, 0, 25 * degree}))},
                 .floors = {{plane, tangent(friction)}}};
-    const double way =
-        stick ? 0 : g / 2 * (std::sin(dip * degree) - std::cos(dip * degree) * tangent(friction));
+    const double way = stick ? 0 : g / 2 * (std::sin(dip * degree) - std::cos(dip * degree) * tangent(friction));
     const Vec3 exact = way * (plane * Vec3{0, 1, 0});
     const double scale = stick ? 1 : way;
     out.parts.push_back({scene, {1}, {[=](const Outcome& o) { return norm(went(scene, o) - exact) / scale; }}});
@@ -81,9 +80,9 @@ Case across() {
   const Turn plane = slope(30, 90);
   const Vec3 over = plane * Vec3{1, 0, 0}, down = plane * Vec3{0, 1, 0};
   for (const double yaw : {0.0, 45.0}) {
-    Scene scene{.bodies = {box_body({1, 1, 0.1}, plane * Vec3{0, 0, 0.05}, tangent(30),
-                                    plane * turn_by({0, 0, yaw * degree}))},
-                .floors = {{plane, tangent(30)}}};
+    Scene scene{
+        .bodies = {box_body({1, 1, 0.1}, plane * Vec3{0, 0, 0.05}, tangent(30), plane * turn_by({0, 0, yaw * degree}))},
+        .floors = {{plane, tangent(30)}}};
     scene.bodies[0].velocity = 2 * over;
     const Vec3 exact = 0.84711001 * down + 0.53868197 * over;
     out.parts.push_back({scene, {1}, {[=](const Outcome& o) { return norm(went(scene, o) - exact); }}});
@@ -210,8 +209,7 @@ Case tilts() {
       const double exact = over ? toppled(way == 45 ? std::numbers::sqrt2 / 2 : 0.5, level, g * std::cos(dip), 1) : 0;
       largest = std::max(largest, exact);
       const double scale = over ? exact : largest;
-      out.parts.push_back(
-          {scene, {1}, {[=](const Outcome& o) { return std::abs(turned(scene, o) - exact) / scale; }}});
+      out.parts.push_back({scene, {1}, {[=](const Outcome& o) { return std::abs(turned(scene, o) - exact) / scale; }}});
     }
   }
   return out;
@@ -295,8 +293,7 @@ Scene wall(int rows, int columns) {
   for (int row = 0; row < rows; ++row) {
     for (double x = row % 2 == 0 ? 0 : -0.5; x < columns; x += 1) {
       const double a = std::max(x, 0.0), b = std::min(x + 1, 1.0 * columns);
-      scene.bodies.push_back(
-          box_body({b - a, 0.5, 0.5}, {(a + b) / 2 - 0.5 * columns, 0, 0.5 * row + 0.25}, 0.6));
+      scene.bodies.push_back(box_body({b - a, 0.5, 0.5}, {(a + b) / 2 - 0.5 * columns, 0, 0.5 * row + 0.25}, 0.6));
     }
   }
   return scene;
@@ -325,8 +322,7 @@ Case sliding_stacks(int count) {
 }  // namespace
 
 std::vector<Case> small_cases() {
-  std::vector<Case> out{slides(false), slides(true), across(), stops(),  wedge(),
-                        spins(),       tumbles(),    drops(),  tilts()};
+  std::vector<Case> out{slides(false), slides(true), across(), stops(), wedge(), spins(), tumbles(), drops(), tilts()};
   std::ranges::move(overhangs(), std::back_inserter(out));
   for (const double top : {1.0, 1e3, 1e6}) {
     Scene scene = stacks(1, 20, 0.5);

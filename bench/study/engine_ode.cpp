@@ -18,9 +18,13 @@ namespace {
 
 #ifdef CLEAVE_HAS_ODE
 
+#ifdef __clang__
+#pragma clang unsafe_buffer_usage begin  // ODE hands out pointers to three numbers
+#endif
+
 /// `exact`: Dantzig's method on all contacts (dWorldStep), else sweeps (dWorldQuickStep). `fdir`: the first axis of the
-/// pyramid lies along the slip, as the manual has it, not as the contact comes. `layer`: contacts may sink by 1 mm, as
-/// the manual advises against jitter.
+/// pyramid lies along the slip, as the manual has it, not as the contact comes. `slip`: the same, and what slips has no
+/// friction across its slip. `layer`: contacts may sink by 1 mm, as the manual advises against jitter.
 class OdeWorld {
  public:
   OdeWorld(const Scene& scene, const Setting& setting)
@@ -28,7 +32,8 @@ class OdeWorld {
         step_{setting.step},
         restitution_{scene.restitution},
         exact_{setting.way.contains("exact")},
-        along_slip_{setting.way.contains("fdir")} {
+        along_slip_{setting.way.contains("fdir") || setting.way.contains("slip")},
+        alone_{setting.way.contains("slip")} {
     world_ = dWorldCreate();
     space_ = dHashSpaceCreate(nullptr);
     dHashSpaceSetLevels(space_, -3, 3);
@@ -155,7 +160,7 @@ class OdeWorld {
     dBodyGetPointVel(body, at[0], at[1], at[2], v);
     return {v[0], v[1], v[2]};
   }
-  static void turn_to_slip(dBodyID on, dBodyID off, dContact& contact) {
+  void turn_to_slip(dBodyID on, dBodyID off, dContact& contact) const {
     const dReal* n = contact.geom.normal;
     const Vec3 normal{n[0], n[1], n[2]};
     Vec3 slip = speed_at(on, contact.geom.pos) - speed_at(off, contact.geom.pos);
@@ -163,12 +168,13 @@ class OdeWorld {
     const double speed = norm(slip);
     if (speed < 1e-9) return;
     contact.surface.mode |= dContactFDir1;
+    if (alone_ && speed > 1e-3) contact.surface.mode |= dContactMu2;  // mu2 is 0
     for (int k = 0; k < 3; ++k) contact.fdir1[k] = (k == 0 ? slip.x : k == 1 ? slip.y : slip.z) / speed;
   }
 
   Vec3 gravity_;
   double step_, restitution_;
-  bool exact_, along_slip_;
+  bool exact_, along_slip_, alone_;
   dWorldID world_ = nullptr;
   dSpaceID space_ = nullptr;
   dJointGroupID joints_ = nullptr;
@@ -177,6 +183,10 @@ class OdeWorld {
   std::vector<std::unique_ptr<Mesh>> meshes_;
   std::vector<std::unique_ptr<dJointFeedback>> feedback_;
 };
+
+#ifdef __clang__
+#pragma clang unsafe_buffer_usage end
+#endif
 
 #endif
 
@@ -189,8 +199,7 @@ class Ode final : public Engine {
     static const bool started = dInitODE2(0) != 0;
     if (!started) return {.frames = {}, .stopped = "ODE did not start"};
     OdeWorld world{scene, setting};
-    Outcome out =
-        follow(times, setting.step, [&] { return world.advance(); }, [&] { return world.poses(); });
+    Outcome out = follow(times, setting.step, [&] { return world.advance(); }, [&] { return world.poses(); });
     if (norm(scene.gravity) > 0) out.reaction = world.reaction();
     return out;
   }

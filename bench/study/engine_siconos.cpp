@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -25,7 +26,7 @@ Json to_json(Turn t) { return {t.w, t.x, t.y, t.z}; }
 /// Exit code of the script with the scene (none: whether Siconos is there); its answer goes to a file.
 int call(std::string scene, const std::string& answer) {
   std::string script = CLEAVE_SOURCE_DIR "/bench/study/engine_siconos.py", python = "/usr/bin/python3";
-  std::string name = "timeout", most = "300";
+  std::string name = "timeout", most = "200";
   std::vector<char*> arguments{name.data(), most.data(), python.data(), script.data()};
   if (!scene.empty()) arguments.push_back(scene.data());
   arguments.push_back(nullptr);
@@ -42,7 +43,8 @@ int call(std::string scene, const std::string& answer) {
   return WEXITSTATUS(status);
 }
 
-/// `wide`: contacts count from 0.4 m, else from its 2 cm. `implicit`: theta 1, else a half.
+/// `wide`: contacts count from 0.4 m, at a scale of 20, else from its 2 cm. `afresh`: pairs are looked for anew in
+/// every step. `thin`: edges are rounded by a hundredth of a body, else by a tenth. `implicit`: theta 1, else a half.
 Json described(const Scene& scene, const Setting& setting, const std::vector<double>& times) {
   Json out{{"step", setting.step},
            {"times", times},
@@ -51,16 +53,21 @@ Json described(const Scene& scene, const Setting& setting, const std::vector<dou
            {"theta", setting.way.contains("implicit") ? 1.0 : 0.5},
            {"iterations", setting.iterations > 0 ? setting.iterations : 1000},
            {"breaking", setting.way.contains("wide") ? 0.4 : 0.02},
+           {"scale", setting.way.contains("wide") ? 20.0 : 1.0},
+           {"afresh", setting.way.contains("afresh")},
            {"bodies", Json::array()},
            {"floors", Json::array()}};
+  // Of its own 10 cm, which do not fit thin bodies, or a tenth of that.
+  const double margin = setting.way.contains("thin") ? 0.01 : 0.1;
   for (const Body& b : scene.bodies) {
     const MassOf m = mass_of(b);
     const motion::Symmetric& j = m.inertia;
     Json vertices = Json::array();
     for (const Vec3 v : b.shape.vertices) vertices.push_back(to_json(v));
-    const Vec3 spin = b.turn.back(b.spin);
+    const Vec3 spin = b.turn.back(b.spin), s = b.sides.value_or(Vec3{1, 1, 1});
     out["bodies"].push_back({{"sides", b.sides ? to_json(*b.sides) : Json{}},
                              {"vertices", vertices},
+                             {"margin", margin * std::min({1.0, s.x, s.y, s.z})},
                              {"at", to_json(b.at)},
                              {"turn", to_json(b.turn)},
                              {"velocity", to_json(b.velocity)},
@@ -70,9 +77,8 @@ Json described(const Scene& scene, const Setting& setting, const std::vector<dou
                              {"friction", b.friction}});
   }
   for (const Floor& f : scene.floors) {
-    out["floors"].push_back({{"at", to_json(f.turn * Vec3{0, 0, -0.5})},
-                             {"turn", to_json(f.turn)},
-                             {"friction", f.friction}});
+    out["floors"].push_back(
+        {{"at", to_json(f.turn * Vec3{0, 0, -0.5})}, {"turn", to_json(f.turn)}, {"friction", f.friction}});
   }
   return out;
 }
@@ -113,7 +119,7 @@ class Siconos final : public Engine {
     const Json json = code == 0 ? Json::parse(file, nullptr, false) : Json{};
     std::filesystem::remove(asked);
     std::filesystem::remove(answer);
-    if (code == 124) return {.frames = {}, .stopped = "took more than 300 s"};
+    if (code == 124) return {.frames = {}, .stopped = "took more than 200 s"};
     if (!json.is_object()) return {.frames = {}, .stopped = "gave up"};
     return understood(json);
   }

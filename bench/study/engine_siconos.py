@@ -20,7 +20,8 @@ except ImportError:
     sys.exit(3)
 
 
-def contactors(shape, group):
+def contactors(shape, group, margin):
+    shape.setInsideMargin(margin)
     out = SiconosContactorSet()
     out.append(SiconosContactor(shape, [0, 0, 0, 1, 0, 0, 0], group))
     return out
@@ -37,6 +38,8 @@ def run(scene):
     end = scene["times"][-1] + 10 * step
     options = SiconosBulletOptions()
     options.contactBreakingThreshold = scene["breaking"]
+    options.worldScale = scene["scale"]
+    options.clearOverlappingPairCache = scene["afresh"]
     manager = SiconosBulletCollisionManager(options)
     frictions = sorted({b["friction"] for b in scene["bodies"] + scene["floors"]})
     for i, low in enumerate(frictions):
@@ -49,13 +52,13 @@ def run(scene):
     bodies = []
     for b in scene["bodies"]:
         body = RigidBodyDS(b["at"] + b["turn"], b["velocity"] + b["spin"], b["mass"], numpy.array(b["inertia"]))
-        body.setContactors(contactors(shape_of(b), frictions.index(b["friction"])))
+        body.setContactors(contactors(shape_of(b), frictions.index(b["friction"]), b["margin"]))
         body.setFExtPtr([b["mass"] * g for g in scene["gravity"]])
         model.insertDynamicalSystem(body)
         bodies.append(body)
     kept = []
     for f in scene["floors"]:
-        kept.append(contactors(SiconosBox([200, 200, 1]), frictions.index(f["friction"])))
+        kept.append(contactors(SiconosBox([200, 200, 1]), frictions.index(f["friction"]), 0.1))
         manager.insertStaticContactorSet(kept[-1], f["at"] + f["turn"])
     osi = kernel.MoreauJeanOSI(scene["theta"])
     impulses = kernel.FrictionContact(3, numerics.SICONOS_FRICTION_3D_NSGS)
