@@ -46,7 +46,7 @@ std::vector<Setting> ways_of(const std::string& engine, const Case& problem, boo
   }
   if (engine == "ode") {
     if (quick) return {way("fdir", 20)};
-    if (problem.large) return {way("fdir", 20), way("fdir", 100), way("fdir layer", 20)};
+    if (problem.large) return {way("fdir", 20), way("slip", 20), way("slip", 100)};
     return {way("exact"),     way("exact fdir"), way("exact slip"),     way("fdir", 20),
             way("fdir", 200), way("slip", 200),  way("fdir layer", 200)};
   }
