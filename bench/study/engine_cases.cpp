@@ -1,7 +1,5 @@
 #include "engine_cases.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -225,7 +223,8 @@ Scene leaning(double share) {
   }
   return scene;
 }
-std::vector<Case> overhangs() {
+/// Stands at 0.999 of the most, by how far it moves; topples at 1.001, or is all wrong.
+Case overhang() {
   const auto most = [](const Scene& scene, const Outcome& o) {
     double angle = 0;
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
@@ -235,31 +234,28 @@ std::vector<Case> overhangs() {
     return angle;
   };
   const Scene under = leaning(0.999), over = leaning(1.001);
-  const std::vector<double> steps{0.02, 0.01, 0.005, 0.0025};
-  return {{.name = "overhang .999",
-           .parts = {{under, {1}, {[=](const Outcome& o) {
-                        return std::max(most(under, o), farthest(under, o, [](std::size_t) { return Vec3{}; }));
-                      }}}},
-           .steps = steps,
-           .within = {1e-7}},
-          {.name = "overhang 1.001",
-           .parts = {{over, {1}, {[=](const Outcome& o) { return most(over, o) > 1e-3 ? 0.0 : 1.0; }}}},
-           .steps = steps,
-           .within = {0}}};
+  const auto still = [](std::size_t) { return Vec3{}; };
+  return {
+      .name = "overhang",
+      .parts = {{under, {1}, {[=](const Outcome& o) { return std::max(most(under, o), farthest(under, o, still)); }}},
+                {over, {1}, {[=](const Outcome& o) { return most(over, o) > 1e-3 ? 0.0 : 1.0; }}}},
+      .steps = {0.02, 0.01, 0.005, 0.0025},
+      .within = {1e-7}};
 }
 
-/// What should not move, and what it weighs on the floor.
+/// What should not move, and what it weighs on the floor as long as it stands.
 Case stands(const std::string& name, const Scene& scene, double time, const std::vector<double>& steps, bool large) {
   const auto still = [](std::size_t) { return Vec3{}; };
-  return {.name = name,
-          .parts = {{scene,
-                     {time},
-                     {[=](const Outcome& o) { return farthest(scene, o, still); },
-                      [=](const Outcome& o) { return wrong_reaction(scene, o); }}}},
-          .steps = steps,
-          .within = {1e-6, 1e-6},
-          .measures = {"", " reaction"},
-          .large = large};
+  return {
+      .name = name,
+      .parts = {{scene,
+                 {time},
+                 {[=](const Outcome& o) { return farthest(scene, o, still); },
+                  [=](const Outcome& o) { return farthest(scene, o, still) < 0.1 ? wrong_reaction(scene, o) : 1; }}}},
+      .steps = steps,
+      .within = {1e-6, 1e-6},
+      .measures = {"", " reaction"},
+      .large = large};
 }
 
 Scene stacks(int count, int height, double friction, double gap = 0, double drop = 0) {
@@ -322,13 +318,12 @@ Case sliding_stacks(int count) {
 }  // namespace
 
 std::vector<Case> small_cases() {
-  std::vector<Case> out{slides(false), slides(true), across(), stops(), wedge(), spins(), tumbles(), drops(), tilts()};
-  std::ranges::move(overhangs(), std::back_inserter(out));
-  for (const double top : {1.0, 1e3, 1e6}) {
+  std::vector<Case> out{slides(false), slides(true), across(), stops(), wedge(),
+                        spins(),       tumbles(),    drops(),  tilts(), overhang()};
+  for (const auto& [name, top] : {std::pair{"stack", 1.0}, {"stack top 1e3", 1e3}, {"stack top 1e6", 1e6}}) {
     Scene scene = stacks(1, 20, 0.5);
     scene.bodies.back().density *= top;
-    out.push_back(
-        stands(top == 1 ? "stack" : fmt::format("stack {:g}", top), scene, 5, {0.02, 0.01, 0.005, 0.0025}, false));
+    out.push_back(stands(name, scene, 5, {0.02, 0.01, 0.005, 0.0025}, false));
   }
   out.push_back(columns("columns", 4, 10, false));
   return out;
