@@ -60,9 +60,8 @@ bool worth_it(const std::string& engine, const Case& problem, const Setting& set
   if (engine == "siconos") {
     // Of Python: a few steps of a few settings.
     if (problem.large) return problem.name.starts_with("stacks") && setting.step == 0.02;
-    if (problem.parts[0].scene.bodies.size() > 10 && setting.iterations > 100) {
-      return setting.step == 0.01;
-    }
+    const bool slow = setting.iterations > 100 || setting.way.contains("afresh");
+    if (problem.parts[0].scene.bodies.size() > 10 && slow) return setting.step == 0.01;
     return setting.step == problem.steps[1] || setting.step == finest;
   }
   if (engine == "cleave" && problem.large) return setting.step > 0.005;
