@@ -382,6 +382,26 @@ TEST(EnsembleTest, WhatNoRealizationHasMayBeMetAllTheSame) {
   EXPECT_TRUE(says(f, "key_block_count"));
   EXPECT_FALSE(says(f, "block_mean_volume"));
   EXPECT_FALSE(says(some, "key_block_count"));
+  // What no load can lift is known to be 0.
+  EXPECT_TRUE(says(f, "lifted_count"));
+  bounded.lifts = false;
+  bounded.cases = {"dry", "wet"};
+  bounded.cases_lift = {false, true};
+  Ensemble dry{bounded};
+  for (std::uint64_t k = 0; k < 30; ++k) {
+    Record r = record(k, {});
+    r.cases.resize(2);
+    dry.add(r, "d");
+  }
+  const Figures without = dry.figures();
+  EXPECT_FALSE(says(without, "lifted_count"));
+  EXPECT_TRUE(says(without, "key_block_count"));
+  EXPECT_EQ(find(without, "lifted_count").high, 0);
+  const auto under = [&](std::size_t load) {
+    return std::ranges::find(without.cases.at(load).estimates, "lifted_count", &Estimate::name)->high;
+  };
+  EXPECT_EQ(under(0), 0);
+  EXPECT_EQ(under(1), std::numeric_limits<double>::infinity());
   EXPECT_LT(find(some, "key_block_count").high, 1);
 }
 

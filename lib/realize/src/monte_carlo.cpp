@@ -92,11 +92,15 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
                                       .at_parts = scene.stability.has_value() && has_own_opening(scene),
                                       .openings = !scene.excavations.empty(),
                                       .orders = orders_of(scene).size(),
+                                      .lifts = scene.stability && scene.stability->loads.lifts(),
                                       .strengths_per_geometry = strengths_per_geometry(scene)};
   if (!questions.axis.empty()) options.tunnel_length_m = stochastic::length_of(questions.axis);
   for (const auto& [name, p] : Percentiles::levels) options.size_levels.push_back(p);
   if (scene.stability) {
-    for (const LoadCase& load : scene.stability->cases) options.cases.push_back(load.name);
+    for (const LoadCase& load : scene.stability->cases) {
+      options.cases.push_back(load.name);
+      options.cases_lift.push_back(load.loads.lifts());
+    }
   }
   for (const NamedSet& set : scene.sets) options.sets.push_back(set.name);
   for (const ScanLine& line : scene.lines) options.lines.push_back(line.name);

@@ -25,6 +25,10 @@ Quantity at_part(Quantity quantity) {
   quantity.at_parts = true;
   return by_case(quantity);
 }
+Quantity of_lifting(Quantity quantity) {
+  quantity.lifted = true;
+  return by_case(quantity);
+}
 Quantity over_openings(Quantity quantity) {
   quantity.openings = true;
   return quantity;
@@ -102,7 +106,7 @@ const std::vector<Quantity>& block_quantities() {
       over_openings({"support_pressure_pa", pressure_over_area, true, false, true}),
       {"largest_support_pressure_pa", [](const Record& r) { return r.largest_pressure_pa; }, true, false, true, false,
        false, false, false, true},
-      by_case({"lifted_count", lifted_count, true, false, false}),
+      of_lifting({"lifted_count", lifted_count, true, false, false}),
       by_case({"domain_held_count", [](const Record& r) { return r.border ? number(r.border->count) : 0; }, true, false,
                true}),
       by_case({"domain_held_volume_m3", [](const Record& r) { return r.border ? r.border->volume.si() : 0; }, true,

@@ -137,7 +137,11 @@ struct ResultHead {
   OutputSettings output = {};
   std::vector<std::string> notes = {};  ///< what a user should know: joints outside the domain, what was left out
 };
-/// Of a scene before it runs: without cost and notes.
+/// A file's name, from the folder of the scene on where it lies there: so the same scene has the same notes anywhere.
+[[nodiscard]] std::string from_scene(const SceneHead& scene, std::string file);
+/// What was said of a scene as it was read.
+[[nodiscard]] std::vector<std::string> notes_of(const SceneHead& scene);
+/// Of a scene before it runs: without cost, and with the notes on the scene alone.
 [[nodiscard]] ResultHead head_of(const SceneHead& scene, Plan plan);
 
 /// What every summary.json begins with.
@@ -151,6 +155,8 @@ void head_fields(V& v, const ResultHead& x) {
   v("scene_sha256", x.scene_sha256, "of the scene file's bytes, hexadecimal");
   v("plan", x.plan.steps);
   v("cost", x.cost);
+  v("notes", x.notes,
+    "what the user should know, as in the terminal, log.txt and the report; files are named from the scene's folder");
 }
 
 /// The timer's bookings as they stand in a result.

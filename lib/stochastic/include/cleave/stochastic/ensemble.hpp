@@ -32,6 +32,7 @@ struct Quantity {
   bool openings = false;     ///< needs excavations, over whose area it is
   bool flow = false;         ///< needs [flow]
   bool water = false;        ///< needs water that stands somewhere
+  bool lifted = false;       ///< 0 where no load lifts
   /// Whether the scene of this record asks for it.
   [[nodiscard]] bool asked_in(const Record& record) const noexcept;
 };
@@ -241,6 +242,8 @@ struct EnsembleOptions {
   bool openings = true;                  ///< there are excavations
   std::size_t orders = 0;                ///< of excavation stages
   std::vector<std::string> cases = {};   ///< names of the load cases, in the order of the records
+  bool lifts = true;                     ///< a load of the base case may lift blocks; weight alone lifts none
+  std::vector<bool> cases_lift = {};     ///< the same of each load case
   std::vector<std::string> sets = {};    ///< names of the joint sets, in the order of the records
   std::vector<std::string> lines = {};   ///< names of the scanlines, in the order of the records
   bool flow = false;                     ///< joints that hang together were looked for
@@ -324,8 +327,8 @@ class Ensemble final {
   [[nodiscard]] std::vector<double> numbers_of(const Record& record) const;
   void add_unit(const std::vector<double>& sums);
   void add_extremes(const Record& record);
-  /// With the interval of a probability where it is one.
-  [[nodiscard]] Estimate estimate(const Quantity& quantity, const Moments& moments, const Tail& tail) const;
+  /// With the interval of a probability where it is one. `lifts`: some load may lift blocks.
+  [[nodiscard]] Estimate estimate(const Quantity& quantity, const Moments& moments, const Tail& tail, bool lifts) const;
   [[nodiscard]] Estimate estimate(std::string name, const Moments& moments, const Tail& tail, Method method) const;
   /// The upper end of the interval of a mean, no farther up than it can be.
   [[nodiscard]] double upper_end(std::string_view name, double mean, double high) const;
