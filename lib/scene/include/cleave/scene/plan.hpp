@@ -58,6 +58,7 @@ struct SizeEstimate {
   /// Of CPU, at most in most scenes: blocks judged together. How many lie near free faces and how they hold each other
   /// only the cut tells, and scenes of one size differ by a thousand.
   Time together = {};
+  double most_together = 0;  ///< nothing where more blocks than these are near free faces; 0: there are fewer
 };
 
 /// What a run of a scene does and leaves out, one entry a step in the order of `all_steps` (but
