@@ -98,7 +98,9 @@ TEST_F(MonteCarloTest, StagesThatAreNotCountedAreSaid) {
   EXPECT_TRUE(read("out/log.txt").contains(stages + "; a replay"));
   write("s.toml", scene("realizations = 3") + second + "[support]\n");
   ASSERT_EQ(cleave("run s.toml -o out").code, 0);
-  EXPECT_TRUE(read("out/log.txt").contains(stages + ", nor what the support leaves after one; a replay"));
+  EXPECT_TRUE(
+      read("out/log.txt")
+          .contains(stages + ", and what the support leaves after one is in support_fails_at_a_stage alone; a replay"));
 }
 
 // A slab of 1 m in the floor, dry and under a table 3 m above it. The scene has no excavation.

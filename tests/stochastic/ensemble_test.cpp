@@ -686,6 +686,19 @@ TEST(EnsembleTest, SupportFiguresOnlyWhereThereIsASupport) {
   EXPECT_DOUBLE_EQ(find(f, "support_fails").mean, 0.25);
   EXPECT_DOUBLE_EQ(find(f, "support_missing_force_n").mean, 2.5e3);
   EXPECT_TRUE(std::ranges::none_of(plain.estimates, [](const Estimate& e) { return e.name == "support_fails"; }));
+  EXPECT_TRUE(
+      std::ranges::none_of(f.estimates, [](const Estimate& e) { return e.name == "support_fails_at_a_stage"; }));
+  // What fails at the end, or after a stage before it.
+  supported.stages = true;
+  Ensemble staged{supported};
+  r.supported_stages = SupportedStages{.judged = 3};
+  held.supported_stages = SupportedStages{.judged = 3, .failing = 2};
+  sound.supported_stages = SupportedStages{.judged = 3};
+  for (const Record& each : {r, held, sound, sound}) staged.add(each, "");
+  const Figures of_stages = staged.figures();
+  EXPECT_DOUBLE_EQ(find(of_stages, "support_fails").mean, 0.25);
+  EXPECT_DOUBLE_EQ(find(of_stages, "support_fails_at_a_stage").mean, 0.5);
+  EXPECT_DOUBLE_EQ(find(of_stages, "support_fails_at_a_stage").low, clopper_pearson(2, 4, of_stages.confidence).low);
 }
 
 // By part of the openings: only where there are openings, pressures only with a support.

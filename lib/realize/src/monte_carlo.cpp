@@ -87,6 +87,7 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
                                       .chainage_parts = questions.chainage_parts,
                                       .seed = scene.seed,
                                       .support = scene.support.has_value(),
+                                      .stages = scene.support && scene.sequence,
                                       .groups = questions.groups,
                                       .clamped = questions.clamped,
                                       .at_parts = scene.stability.has_value() && has_own_opening(scene),
@@ -182,6 +183,16 @@ stochastic::Supported tally_support(const Scene& scene, const topology::BlockCom
   }
   for (const stability::CombinedBlock& body : support.combined) sum.failing_bodies += body.passes ? 0U : 1U;
   if (questions.groups) sum.groups = supported_together(together);
+  return sum;
+}
+
+stochastic::SupportedStages tally_stages(const SequenceResult& sequence) {
+  stochastic::SupportedStages sum;
+  for (const StageResult& row : sequence.stages) {
+    if (!row.support) continue;
+    ++sum.judged;
+    sum.failing += row.support->passes() ? 0U : 1U;
+  }
   return sum;
 }
 
@@ -295,6 +306,7 @@ Record record_of(std::uint64_t k, const Realization& made, const Scene& scene, c
     for (const OrderResult& order : made.sequence->orders) {
       record.orders.push_back({order.key_blocks, order.key_volume.si()});
     }
+    if (scene.support) record.supported_stages = tally_stages(*made.sequence);
   }
   return record;
 }

@@ -198,8 +198,8 @@ Realizer::Done Realizer::judge() {
     if (in_stages_ && final_state_) {
       made_.sequence =
           judge_stages(*scene_, *in_stages_, *final_state_, [&](const auto& state) { return analyse(state); });
-      if (detail_ == Detail::shown) judge_cases_in_stages(*scene_, made_);
-      if (scene_->support && detail_ == Detail::shown) judge_support_in_stages(*scene_, made_, options_.threads);
+      if (detail_ == Detail::shown || scene_->support) judge_cases_in_stages(*scene_, made_);
+      if (scene_->support) judge_support_in_stages(*scene_, made_, judges_groups(), options_.threads);
     }
     made_.analysis = analyse(complex);
   }

@@ -85,7 +85,7 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
     page.result.figures.notes.push_back(fmt::format(
         "key blocks and support are those of the rock when all is excavated: what moves only in a stage before the "
         "last is not in these figures{}; a replay of a realization judges every stage",
-        scene.support ? ", nor what the support leaves after one" : ""));
+        scene.support ? ", and what the support leaves after one is in support_fails_at_a_stage alone" : ""));
   }
   if (scene.stability && scene.stability->group_factor) {
     page.result.figures.notes.push_back(
