@@ -62,8 +62,16 @@ def check_places():
     lost = [m for m in mutations if open(os.path.join(root, m[1])).read().count(m[3]) != 1]
     for name, path, *_ in lost:
         print("error: %s: the text of '%s' does not occur once" % (path, name))
+    known = set()
+    for folder, _, files in os.walk(os.path.join(root, "tests")):
+        if "CMakeLists.txt" in files:
+            text = open(os.path.join(folder, "CMakeLists.txt")).read()
+            known |= set(re.findall(r"\b(?:cleave_test|add_executable)\(\s*(\w+)", text))
+    strange = [(program, m[0]) for m in mutations for program in m[2] if program not in known]
+    for program, name in strange:
+        print("error: there is no test program %s that '%s' names" % (program, name))
     print("%d mutations, %d without a place" % (len(mutations), len(lost)))
-    sys.exit(1 if lost else 0)
+    sys.exit(1 if lost or strange else 0)
 
 
 def restore(path):

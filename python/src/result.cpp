@@ -114,12 +114,7 @@ std::string summary_of(const AnyResult& result) {
 }
 
 std::vector<std::string> notes_of(const AnyResult& result) {
-  return std::visit(overloaded{[](const Ensemble& e) {
-                                 std::vector<std::string> notes = e.page.result.figures.notes;
-                                 std::ranges::copy(e.page.notes, std::back_inserter(notes));
-                                 return notes;
-                               },
-                               [](const auto& r) { return r.notes; }},
+  return std::visit(overloaded{[](const Ensemble& e) { return e.page.notes; }, [](const auto& r) { return r.notes; }},
                     result);
 }
 

@@ -23,7 +23,7 @@ TEST_F(DiffTest, TheSameResultHasNoDifference) {
   run("b", "");
   const Ended same = cleave("diff a b");
   EXPECT_EQ(same.code, 0) << same.err;
-  EXPECT_EQ(same.out, "first   a\nsecond  b\nno difference in scene, plan, counts, volumes and key blocks\n");
+  EXPECT_EQ(same.out, "first   a\nsecond  b\nno difference in scene, plan, counts, volumes, key blocks and notes\n");
 }
 
 TEST_F(DiffTest, StrengthChangesKeyBlocksOneByOne) {
@@ -58,6 +58,32 @@ TEST_F(DiffTest, AChangedInputFileIsNamed) {
   run("after", "[[joint]]\nfile = \"j.csv\"\n");
   const Ended ended = cleave("diff before after");
   EXPECT_NE(ended.out.find("\ninput files\n  j.csv is not the same file in both\n"), std::string::npos) << ended.out;
+}
+
+TEST_F(DiffTest, NotesThatCameOrWentAreNamed) {
+  const auto weak = [](const std::string& friction) { return "[joints.default]\nfriction = " + friction + "\n"; };
+  const std::string far = "[[joint]]\nplane = { through = [90, 4, 3], dip = 90, dip_direction = 90 }\n";
+  run("a", weak("20"));
+  run("b", far + weak("20"));
+  run("c", weak("0.6"));
+  run("d", "# The name and the line are others.\n" + weak("0.6"));
+  run("e", weak("0.7"));
+  const std::string come = cleave("diff a b").out, gone = cleave("diff b a").out;
+  const std::string outside = "    b.toml:16: joint: lies wholly outside the domain; it cuts nothing and is left out\n";
+  EXPECT_TRUE(come.contains("\nnotes\n  only in the second (2):\n" + outside)) << come;
+  EXPECT_TRUE(gone.contains("\nnotes\n  only in the first (2):\n" + outside)) << gone;
+  EXPECT_FALSE(cleave("diff c d").out.contains("notes\n"));
+  const std::string other = cleave("diff c e").out;
+  EXPECT_TRUE(other.contains("\nnotes\n  with other figures:\n    c.toml:16: joints.default.friction: is 0.6 degrees"))
+      << other;
+  EXPECT_TRUE(other.contains("\n    -> e.toml:16: joints.default.friction: is 0.7 degrees")) << other;
+  // A result of before there were notes in it.
+  std::string old = read("a/summary.json");
+  const std::size_t notes = old.find("\"notes\"");
+  ASSERT_NE(notes, std::string::npos);
+  old.replace(notes, 7, "\"nothing\"");
+  write("a/summary.json", old);
+  EXPECT_TRUE(cleave("diff a b").out.contains("\nnotes\n  only the second was written with its notes\n"));
 }
 
 TEST_F(DiffTest, WhatIsNoResultIsRefused) {

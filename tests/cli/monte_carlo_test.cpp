@@ -98,7 +98,9 @@ TEST_F(MonteCarloTest, StagesThatAreNotCountedAreSaid) {
   EXPECT_TRUE(read("out/log.txt").contains(stages + "; a replay"));
   write("s.toml", scene("realizations = 3") + second + "[support]\n");
   ASSERT_EQ(cleave("run s.toml -o out").code, 0);
-  EXPECT_TRUE(read("out/log.txt").contains(stages + ", nor what the support leaves after one; a replay"));
+  EXPECT_TRUE(
+      read("out/log.txt")
+          .contains(stages + ", and what the support leaves after one is in support_fails_at_a_stage alone; a replay"));
 }
 
 // A slab of 1 m in the floor, dry and under a table 3 m above it. The scene has no excavation.
@@ -133,6 +135,10 @@ TEST_F(MonteCarloTest, WaterThatLiftsKeyBlocksIsSaid) {
   const json flood = run("[[load]]\nname = \"flood\"\nwater = { table = 9 }\n");
   EXPECT_EQ(flood["quantities"]["lifted_count"]["mean"], 0);
   EXPECT_EQ(flood["load_cases"][0]["quantities"]["lifted_count"]["mean"], 1);
+  // Weight alone lifts nothing; of water it is not known when no realization shows it.
+  EXPECT_EQ(flood["quantities"]["lifted_count"]["high"], 0);
+  EXPECT_FALSE(flood["notes"].dump().contains("lifted_count"));
+  EXPECT_TRUE(run("water = { table = 1 }\n")["quantities"]["lifted_count"]["high"].is_null());
   EXPECT_TRUE(flood["notes"].dump().contains("\"load case flood: " + said));
   EXPECT_FALSE(flood["notes"].dump().contains("\"" + said));
   EXPECT_TRUE(run("water = { table = 9 }\n")["notes"].dump().contains("\"" + said));

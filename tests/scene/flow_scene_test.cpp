@@ -426,6 +426,7 @@ TEST(FlowScene, WhatARunStopsByIsThere) {
   EXPECT_TRUE(stop("probability_of_failure_roof", open).contains("only cuts from above"));
   EXPECT_EQ(stop("probability_of_failure_roof", open + tunnel), taken);
   EXPECT_TRUE(stop("support_fails", open).contains("add [support]"));
+  EXPECT_TRUE(stop("support_fails_at_a_stage", open + "[support]\n").contains("is of stages of the excavation"));
   EXPECT_TRUE(stop("key_group_count", open).contains("groups = \"decide\""));
   EXPECT_TRUE(stop("clamped_key_block_count", open).contains("add [field_stress]"));
   EXPECT_EQ(stop("key_block_count", open), taken);

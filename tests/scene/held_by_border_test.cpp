@@ -295,6 +295,52 @@ TEST(Crumbs, WhatOnlyTheyHoldIsSaid) {
             0U);
 }
 
+TEST(Crumbs, WhatTheyHoldUnderALoadOrInAnEarlierStageIsSaid) {
+  const std::string alone = "groups = \"off\"\n[micro_blocks]\nvolume = 0.01\n";
+  const auto at_friction = [&](const char* friction, const std::string& more) {
+    std::string text = slab_behind_crumb(alone + more);
+    return text.replace(text.find("friction = 20"), 13, std::string{"friction = "} + friction);
+  };
+  const std::string quake = "[[load]]\nname = \"quake\"\nseismic = [-0.5, 0, 0]\n";
+  const std::string said =
+      "1 block (48.27 m3) stays only because of a micro-block (0.00435 m3 in all): without it the "
+      "least factor of safety is ";
+  const RunResult pushed = run_of(at_friction("50", quake));
+  EXPECT_EQ(notes_with(pushed, "load case quake: " + said + "0.517 (block "), 1U);
+  EXPECT_EQ(notes_with(pushed, said), 1U) << "without the load it stays by itself";
+  // Once where it leans on it without the load as well.
+  const RunResult both = run_of(at_friction("20", quake));
+  EXPECT_EQ(notes_with(both, said + "0.434"), 1U);
+  EXPECT_EQ(notes_with(both, "load case quake: " + said), 0U);
+  // The slab and its crumb are dug away by a second stage.
+  const RunResult staged = run_of(at_friction("20",
+                                              "[[excavation]]\nname = \"late\"\nstage = 2\nkind = \"polyhedron\"\n"
+                                              "box = { min = [4.9, -1, 2.4], max = [11, 4, 7] }\n"));
+  EXPECT_EQ(notes_with(staged, "after stage 1: " + said + "0.434 (block "), 1U);
+  EXPECT_EQ(notes_with(staged, said), 1U);
+}
+
+TEST(Crumbs, WhatReachesItsTargetOnlyByThemIsSaid) {
+  const auto supported = [](const char* length, const char* capacity, const std::string& more = {}) {
+    return run_of(slab_behind_crumb(
+        std::string{"groups = \"off\"\n[micro_blocks]\nvolume = 0.01\n"} + more + "[support]\n[[support.bolts]]\n" +
+        "at = [[5, 1, 6], [5, 2, 6], [5, 3, 6], [5, 1, 4], [5, 2, 4], [5, 3, 4]]\ndirection = [1, 0, 0]\nlength = " +
+        length + "\nanchorage = 0.5\ntendon_capacity = " + capacity + "\nbond_strength = 1e6\n"));
+  };
+  const std::string said =
+      "the required factor of safety with the support only because of a micro-block (0.00435 m3 "
+      "in all): without it the least is ";
+  // Bolts that end in the slab hold nothing: it has 0.434 of its own.
+  const RunResult bare = supported("1", "1e6");
+  EXPECT_TRUE(bare.support->passes());
+  EXPECT_EQ(notes_with(bare, "1 block (48.27 m3) reaches " + said + "0.434 of 1.3 (block "), 1U);
+  EXPECT_EQ(notes_with(supported("6", "1e6"), said), 0U) << "bolts hold it without the crumb";
+  const RunResult quake = supported("6", "1.5e5", "[[load]]\nname = \"quake\"\nseismic = [-0.5, 0, 0]\n");
+  EXPECT_EQ(notes_with(quake, "load case quake: 1 block (48.27 m3) reaches " + said), 1U);
+  EXPECT_EQ(notes_with(quake, said), 1U);
+  EXPECT_EQ(notes_with(supported("1", "1e6", "policy = \"keep\"\n"), "micro-block"), 0U);
+}
+
 TEST(NearMisses, TheNoteNamesTheJoints) {
   const RunResult result =
       run_of(with_box("[[joint]]\nname = \"crown\"\npolygon = [[4, 1, 1], [4, 7, 1], [4, 7, 5], [4, 1, 5]]\n"

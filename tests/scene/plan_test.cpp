@@ -123,6 +123,21 @@ TEST(PlannedCost, LiesWithinFiveTimesOfWhatExamplesTook) {
   }
 }
 
+// Processor seconds of stability and support, once on one machine: of a search for a pattern with 2,750 blocks near
+// free faces, judged together as each pattern asks for it.
+TEST(PlannedCost, ASearchForAPatternLiesWithinThreeTimesOfWhatItTook) {
+  const auto planned = [](const char* name) {
+    const auto loaded = load(fmt::format("{0}/examples/{1}/{1}.toml", CLEAVE_SOURCE_DIR, name));
+    return make_costed_plan(std::get<Scene>(loaded.value())).value().estimate;
+  };
+  constexpr double took = 13.2 + 108.2;
+  EXPECT_LE(planned("tunnel_support").together.si(), 3 * took);
+  EXPECT_GE(planned("tunnel_support").together.si(), took / 3);
+  // Where more may be near free faces than are judged it may take nothing at all: 5,695 there.
+  EXPECT_EQ(planned("powerhouse").most_together, 3000);
+  EXPECT_EQ(planned("slab_behind_toe").most_together, 0);
+}
+
 // What would fill the machine is refused before it is cut, with what to do; where it fits it is cut.
 TEST(PlannedCost, ACutBeyondTheMachinesMemoryIsRefused) {
   const auto scene = parse_text(random_sets("size = \"persistent\"", "count = 34"));

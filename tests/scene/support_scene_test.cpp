@@ -179,7 +179,7 @@ TEST(SupportScene, BlocksThatFallBesideASupportAreRefused) {
   EXPECT_EQ(run_of(bare).sequence->fallen, Fallen::stay_out);
 }
 
-// An ensemble takes no supported block out either; its figures are those of the last stage, the replay has all stages.
+// An ensemble takes no supported block out either; it counts at how many stages the support fails, as the replay says.
 TEST(SupportScene, EnsemblesKeepWhatBoltsHoldAndReplaysJudgeEveryStage) {
   const Scene scene =
       scene_of(undercut(3, "[sequence]\ncompare_orders = [[1, 2, 3], [3, 1, 2]]\n[monte_carlo]\nrealizations = 2\n"));
@@ -197,6 +197,16 @@ TEST(SupportScene, EnsemblesKeepWhatBoltsHoldAndReplaysJudgeEveryStage) {
   const auto replayed = run(scene, {.threads = 1, .realization = 1}, timer, progress);
   ASSERT_TRUE(replayed.has_value());
   EXPECT_EQ(replayed->figures.support->failing_stages.value(), std::vector<std::uint32_t>{2});
+  EXPECT_EQ(make_record(scene, shared_by_realizations(scene), 1).supported_stages,
+            (stochastic::SupportedStages{.judged = 3, .failing = 1}));
+  EXPECT_TRUE(ensemble_options_of(scene).stages);
+  const std::string two = "[monte_carlo]\nrealizations = 2\n";
+  const Scene soon = scene_of(undercut(2, two));
+  EXPECT_EQ(make_record(soon, shared_by_realizations(soon), 1).supported_stages,
+            (stochastic::SupportedStages{.judged = 3}));
+  // A load that alone makes it fail after the stage counts, too; groups do where they decide.
+  const Scene pushed = scene_of(undercut(2, "[[load]]\nname = \"q\"\nseismic = [0, 0, -9]\n" + two));
+  EXPECT_GT(make_record(pushed, shared_by_realizations(pushed), 1).supported_stages->failing, 0U);
 }
 
 // What stands for a stage before the last alone is bought as well.

@@ -382,6 +382,26 @@ TEST(EnsembleTest, WhatNoRealizationHasMayBeMetAllTheSame) {
   EXPECT_TRUE(says(f, "key_block_count"));
   EXPECT_FALSE(says(f, "block_mean_volume"));
   EXPECT_FALSE(says(some, "key_block_count"));
+  // What no load can lift is known to be 0.
+  EXPECT_TRUE(says(f, "lifted_count"));
+  bounded.lifts = false;
+  bounded.cases = {"dry", "wet"};
+  bounded.cases_lift = {false, true};
+  Ensemble dry{bounded};
+  for (std::uint64_t k = 0; k < 30; ++k) {
+    Record r = record(k, {});
+    r.cases.resize(2);
+    dry.add(r, "d");
+  }
+  const Figures without = dry.figures();
+  EXPECT_FALSE(says(without, "lifted_count"));
+  EXPECT_TRUE(says(without, "key_block_count"));
+  EXPECT_EQ(find(without, "lifted_count").high, 0);
+  const auto under = [&](std::size_t load) {
+    return std::ranges::find(without.cases.at(load).estimates, "lifted_count", &Estimate::name)->high;
+  };
+  EXPECT_EQ(under(0), 0);
+  EXPECT_EQ(under(1), std::numeric_limits<double>::infinity());
   EXPECT_LT(find(some, "key_block_count").high, 1);
 }
 
@@ -666,6 +686,19 @@ TEST(EnsembleTest, SupportFiguresOnlyWhereThereIsASupport) {
   EXPECT_DOUBLE_EQ(find(f, "support_fails").mean, 0.25);
   EXPECT_DOUBLE_EQ(find(f, "support_missing_force_n").mean, 2.5e3);
   EXPECT_TRUE(std::ranges::none_of(plain.estimates, [](const Estimate& e) { return e.name == "support_fails"; }));
+  EXPECT_TRUE(
+      std::ranges::none_of(f.estimates, [](const Estimate& e) { return e.name == "support_fails_at_a_stage"; }));
+  // What fails at the end, or after a stage before it.
+  supported.stages = true;
+  Ensemble staged{supported};
+  r.supported_stages = SupportedStages{.judged = 3};
+  held.supported_stages = SupportedStages{.judged = 3, .failing = 2};
+  sound.supported_stages = SupportedStages{.judged = 3};
+  for (const Record& each : {r, held, sound, sound}) staged.add(each, "");
+  const Figures of_stages = staged.figures();
+  EXPECT_DOUBLE_EQ(find(of_stages, "support_fails").mean, 0.25);
+  EXPECT_DOUBLE_EQ(find(of_stages, "support_fails_at_a_stage").mean, 0.5);
+  EXPECT_DOUBLE_EQ(find(of_stages, "support_fails_at_a_stage").low, clopper_pearson(2, 4, of_stages.confidence).low);
 }
 
 // By part of the openings: only where there are openings, pressures only with a support.

@@ -67,6 +67,7 @@ Record example(std::uint64_t k) {
     r.support->pressures = {pascals(1e3 * rng.uniform()), {}, pascals(7e-300), pascals(2e6)};
     r.at_parts = {{k, cubic_metres(rng.uniform())}, {}, {1, cubic_metres(0.5)}, {}};
   }
+  if (k % 6 == 1) r.supported_stages = SupportedStages{k, k / 2};
   if (k % 4 == 1) {
     r.flow = FlowTally{k, rng.uniform(), rng.uniform(), rng.uniform(), {2, 5, 4949}};
     if (k % 8 == 1)

@@ -13,7 +13,7 @@ namespace {
 
 using scene::Key, scene::KeyTable, scene::KeyType;
 
-/// Longer comments end at a comma or semicolon.
+/// Longer comments end at the end of a sentence, else at a semicolon, else at a comma.
 constexpr std::size_t longest = 84, first_column = 31;
 
 /// The table that a type holds, alone or in a list; null: none. Names of the user's are stepped over by `named`.
@@ -68,7 +68,10 @@ std::string words_of(const Key& key, std::string_view value) {
   if (text.starts_with('{') || text.starts_with('[')) return {};  // the form, which the value shows
   if (text.ends_with(", below")) text.resize(text.size() - 7);
   while (text.size() > longest || !closed(text)) {
-    const std::size_t end = text.find_last_of(";,:", std::min(longest, text.size() - 1));
+    const std::size_t most = std::min(longest, text.size() - 1);
+    std::size_t end = text.rfind(". ", most);
+    if (end == std::string::npos) end = text.rfind(';', most);
+    if (end == std::string::npos) end = text.find_last_of(",:", most);
     if (end == std::string::npos || end == 0) return {};
     text.resize(end);
   }

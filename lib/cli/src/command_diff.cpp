@@ -133,7 +133,7 @@ std::string shown(const Json& value) { return value.is_string() ? value.get<std:
 
 /// One line a difference, by path. Numbers with the change; costs are not compared.
 void compare(const std::string& path, const Json& a, const Json& b, std::vector<std::string>& lines) {
-  if (a == b) return;
+  if (a == b || path == "monte_carlo.notes") return;  // those stand among the notes of the result
   if (a.is_object() && b.is_object()) {
     for (const auto& [key, value] : a.items()) {
       const std::string inner = path.empty() ? key : path + "." + key;
@@ -203,6 +203,70 @@ std::string compare_plans(const Json& a, const Json& b) {
   return text;
 }
 
+/// The notes of a result. Older ensembles have theirs in `monte_carlo`; what has none at all is of an older program.
+std::optional<std::vector<std::string>> notes_in(const Json& summary) {
+  const Json* list = &member(summary, "notes");
+  if (list->is_null()) list = &member(member(summary, "monte_carlo"), "notes");
+  if (!list->is_array()) return std::nullopt;
+  std::vector<std::string> notes;
+  for (const Json& note : *list) notes.push_back(shown(note));
+  return notes;
+}
+
+/// A note without the places in files ("scene.toml:12") that it names: the same note of another scene.
+std::string without_places(std::string_view note) {
+  std::string out;
+  while (!note.empty()) {
+    const std::string_view word = note.substr(0, note.find(' '));
+    note.remove_prefix(std::min(word.size() + 1, note.size()));
+    const std::size_t end = word.find_last_not_of(":),;") + 1,
+                      digits = word.substr(0, end).find_last_not_of("0123456789");
+    const bool place = digits != std::string_view::npos && digits + 1 < end && word[digits] == ':';
+    if (!place) out.append(word) += ' ';
+  }
+  return out;
+}
+
+/// The same without its figures.
+std::string words_of(std::string_view note) {
+  std::string words;
+  for (const char c : without_places(note)) {
+    const bool digit = c >= '0' && c <= '9';
+    if (!digit) words += c;
+    if (digit && !words.ends_with('#')) words += '#';
+  }
+  return words;
+}
+
+/// Notes that came or went; those in which a figure alone is another stand as changed.
+std::string compare_notes(const Json& a, const Json& b) {
+  auto gone = notes_in(a), come = notes_in(b);
+  if (!gone || !come) {
+    if (!gone && !come) return {};
+    return fmt::format("  only the {} was written with its notes\n", gone ? "first" : "second");
+  }
+  const auto take = [&](const auto& alike, std::string* changed) {
+    std::erase_if(*gone, [&](const std::string& note) {
+      const auto at = std::ranges::find_if(*come, [&](const std::string& other) { return alike(note, other); });
+      if (at == come->end()) return false;
+      if (changed != nullptr) *changed += fmt::format("    {}\n    -> {}\n", note, *at);
+      come->erase(at);
+      return true;
+    });
+  };
+  std::string changed, text;
+  take([](const std::string& x, const std::string& y) { return without_places(x) == without_places(y); }, nullptr);
+  take([](const std::string& x, const std::string& y) { return words_of(x) == words_of(y); }, &changed);
+  const auto list = [&](std::string_view what, const std::vector<std::string>& notes) {
+    if (!notes.empty()) text += fmt::format("  {} ({}):\n", what, notes.size());
+    for (const std::string& note : notes) text += fmt::format("    {}\n", note);
+  };
+  list("only in the first", *gone);
+  list("only in the second", *come);
+  if (!changed.empty()) text += "  with other figures:\n" + changed;
+  return text;
+}
+
 /// Blocks have the same numbers in both when the block systems are the same; else they are known by their volumes.
 std::string compare_key_blocks(const Result& a, const Result& b, bool same_blocks) {
   const auto identity = [&](const KeyRow& row) { return same_blocks ? row.block : fmt::format("{:.9e}", row.volume); };
@@ -261,7 +325,7 @@ ExitCode diff_results(const std::string& first, const std::string& second) {
     text += fmt::format("{}\n{}", title, lines);
   };
   // What has lines of its own, and what never says that results differ.
-  std::set<std::string_view> seen{"plan", "cost", "realization_cost", "scene_file"};
+  std::set<std::string_view> seen{"plan", "cost", "realization_cost", "scene_file", "notes"};
   const auto figures = [&](std::string_view title, const std::vector<std::string_view>& keys) {
     std::string lines;
     for (const std::string_view key : keys) {
@@ -297,7 +361,8 @@ ExitCode diff_results(const std::string& first, const std::string& second) {
     }
   }
   figures("other results", others);
-  if (!differ) text += "no difference in scene, plan, counts, volumes and key blocks\n";
+  section("notes", compare_notes(a->summary, b->summary));
+  if (!differ) text += "no difference in scene, plan, counts, volumes, key blocks and notes\n";
   print(text);
   return ExitCode::done;
 }

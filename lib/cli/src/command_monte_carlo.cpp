@@ -68,8 +68,7 @@ std::string log_text(const report::MonteCarloPage& page) {
       fmt::format("cleave {}\nscene {} (sha256 {})\n\nplan\n", version, page.scene_file, page.scene_sha256);
   text += describe(page.plan);
   text += "\nresult\n" + figures_text(page);
-  if (!page.result.figures.notes.empty() || !page.notes.empty()) text += "\nnotes\n";
-  for (const std::string& note : page.result.figures.notes) text += "  " + note + "\n";
+  if (!page.notes.empty()) text += "\nnotes\n";
   for (const std::string& note : page.notes) text += "  " + note + "\n";
   return text;
 }
@@ -132,7 +131,7 @@ ExitCode publish_monte_carlo(const scene::Scene& scene, scene::MonteCarloResult 
   }
   if (!quiet) {
     std::string text = figures_text(page);
-    for (const std::string& note : page.result.figures.notes) text += "note: " + note + "\n";
+    for (const std::string& note : page.notes) text += "note: " + note + "\n";
     print(text + fmt::format("result in {}\n", folder.folder().generic_string()));
   }
   return end_of(page.result, scene.shown);

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <string_view>
 #include <utility>
 
 namespace cleave::scene {
@@ -35,6 +37,24 @@ bool leans_on(const topology::BlockComplex& complex, const stability::KeyGroup& 
   return false;
 }
 
+/// "a micro-block (0.004 m3 in all)", "7 micro-blocks (0.03 m3 in all)".
+std::string text_of(std::size_t crumbs, Volume volume) {
+  return fmt::format("{} ({:.3g} m3 in all)", crumbs == 1 ? "a micro-block" : fmt::format("{} micro-blocks", crumbs),
+                     volume.si());
+}
+
+std::string counted_blocks(std::size_t count, double volume) {
+  return fmt::format("{} ({:.4g} m3)", count == 1 ? "1 block" : fmt::format("{} blocks", count), volume);
+}
+
+double volume_of(const std::vector<HeldByCrumbs::Row>& rows) {
+  double volume = 0;
+  for (const HeldByCrumbs::Row& row : rows) volume += row.volume.si();
+  return volume;
+}
+
+constexpr std::string_view leave_out = "[micro_blocks] policy = \"exclude\"";
+
 }  // namespace
 
 std::optional<HeldByCrumbs> held_by_crumbs(const topology::AuditedComplex& complex, stability::Settings settings,
@@ -42,61 +62,121 @@ std::optional<HeldByCrumbs> held_by_crumbs(const topology::AuditedComplex& compl
                                            const std::optional<stability::KeyGroups>& groups,
                                            std::vector<BlockId> crumbs) {
   if (crumbs.empty()) return std::nullopt;
+  const auto volume = [&](BlockId id) { return complex.complex().blocks()[id].volume; };
   HeldByCrumbs held{.crumbs = crumbs.size()};
-  for (const BlockId id : crumbs) held.volume_of_crumbs += complex.complex().blocks()[id].volume;
-  std::vector<BlockId> known = leaving(analysis), leaning;
+  for (const BlockId id : crumbs) held.volume_of_crumbs += volume(id);
+  std::vector<BlockId> known = leaving(analysis);
+  std::vector<const stability::KeyGroup*> leaning;
   if (groups) {
     for (const stability::KeyGroup& group : groups->groups) {
       known.insert(known.end(), group.blocks.begin(), group.blocks.end());
       if (!leans_on(complex.complex(), group, crumbs)) continue;
-      leaning.insert(leaning.end(), group.blocks.begin(), group.blocks.end());
-      ++held.groups;
-      held.least_of_groups = std::min(held.least_of_groups, group.least_factor());
+      leaning.push_back(&group);
+      HeldByCrumbs::Row& row = held.groups.emplace_back(
+          HeldByCrumbs::Row{.block = group.blocks.front(), .factor_of_safety = group.least_factor()});
+      for (const BlockId id : group.blocks) row.volume += volume(id);
     }
   }
   std::ranges::sort(known);
-  std::ranges::sort(leaning);
   settings.left_out = std::move(crumbs);
   const stability::Analysis without = stability::analyse(complex, settings);
   for (const BlockId id : leaving(without)) {
     const auto judged = std::ranges::lower_bound(without.judgements, id, {}, &stability::Judgement::block);
     const double factor = judged != without.judgements.end() && judged->block == id ? judged->factor_of_safety : 0;
-    if (std::ranges::binary_search(leaning, id)) held.alone_without = std::min(held.alone_without, factor);
-    if (std::ranges::binary_search(known, id)) continue;
-    ++held.blocks;
-    held.volume += complex.complex().blocks()[id].volume;
-    if (!(factor < held.least_factor)) continue;
-    held.least_factor = factor;
-    held.least = id;
+    for (std::size_t g = 0; g < leaning.size(); ++g) {
+      const auto& blocks = leaning[g]->blocks;
+      if (std::ranges::find(blocks, id) == blocks.end()) continue;
+      held.groups[g].alone = std::min(held.groups[g].alone, factor);
+    }
+    if (!std::ranges::binary_search(known, id)) held.blocks.push_back({id, volume(id), factor});
   }
-  return held.blocks + held.groups > 0 ? std::optional{held} : std::nullopt;
+  return held.blocks.empty() && held.groups.empty() ? std::nullopt : std::optional{std::move(held)};
 }
 
-void add_crumb_notes(const std::optional<HeldByCrumbs>& held, std::vector<std::string>& notes) {
+void add_crumb_notes(const std::optional<HeldByCrumbs>& held, const std::optional<HeldByCrumbs>& known,
+                     std::string_view where, std::vector<std::string>& notes) {
   if (!held) return;
-  const std::string crumbs = fmt::format(
-      "{} ({:.3g} m3 in all)", held->crumbs == 1 ? "a micro-block" : fmt::format("{} micro-blocks", held->crumbs),
-      held->volume_of_crumbs.si());
-  if (held->blocks > 0) {
+  // Said once: under another load, or in another stage, it is the same block.
+  const auto fresh = [](std::vector<HeldByCrumbs::Row> rows, const std::vector<HeldByCrumbs::Row>& others) {
+    std::erase_if(rows, [&](const HeldByCrumbs::Row& own) {
+      return std::ranges::any_of(others, [&](const HeldByCrumbs::Row& other) {
+        return std::abs((own.volume - other.volume).si()) <= 1e-9 * own.volume.si();
+      });
+    });
+    return rows;
+  };
+  const std::vector<HeldByCrumbs::Row> none, blocks = fresh(held->blocks, known ? known->blocks : none),
+                                             groups = fresh(held->groups, known ? known->groups : none);
+  const std::string crumbs = text_of(held->crumbs, held->volume_of_crumbs);
+  const std::string_view them = held->crumbs == 1 ? "it" : "them";
+  if (!blocks.empty()) {
+    const auto least = std::ranges::min_element(blocks, {}, &HeldByCrumbs::Row::factor_of_safety);
     notes.push_back(fmt::format(
-        "{} ({:.4g} m3) {} only because of {}: without {} the least factor of safety is {:.3g}{}; count on no crumbs: "
-        "[micro_blocks] policy = \"exclude\" leaves them out",
-        held->blocks == 1 ? "1 block" : fmt::format("{} blocks", held->blocks), held->volume.si(),
-        held->blocks == 1 ? "stays" : "stay", crumbs, held->crumbs == 1 ? "it" : "them", held->least_factor,
-        held->least ? fmt::format(" (block {})", held->least->value()) : ""));
+        "{}{} {} only because of {}: without {} the least factor of safety is {:.3g} (block {}); count on no crumbs: "
+        "{} leaves them out",
+        where, counted_blocks(blocks.size(), volume_of(blocks)), blocks.size() == 1 ? "stays" : "stay", crumbs, them,
+        least->factor_of_safety, least->block.value(), leave_out));
   }
-  if (held->groups > 0) {
+  if (!groups.empty()) {
     const bool one = held->crumbs == 1;
+    const auto least = std::ranges::min_element(groups, {}, &HeldByCrumbs::Row::factor_of_safety);
+    const auto alone = std::ranges::min_element(groups, {}, &HeldByCrumbs::Row::alone);
     notes.push_back(
-        fmt::format("{} on {}{}: what {} in {} {:.3g}{}; [micro_blocks] policy = \"exclude\" judges without",
-                    held->groups == 1 ? "1 key group leans" : fmt::format("{} key groups lean", held->groups),
+        fmt::format("{}{} on {}{}: what {} in {} {:.3g}{}; {} judges without", where,
+                    groups.size() == 1 ? "1 key group leans" : fmt::format("{} key groups lean", groups.size()),
                     one ? "" : "some of ", crumbs, one ? "it holds is" : "these hold is",
-                    held->groups == 1 ? "the factor of" : "their factors, the least of them", held->least_of_groups,
-                    held->alone_without < held->least_of_groups
-                        ? fmt::format("; without {} a block of the group has {:.3g} by itself", one ? "it" : "them",
-                                      held->alone_without)
-                        : ""));
+                    groups.size() == 1 ? "the factor of" : "their factors, the least of them", least->factor_of_safety,
+                    alone->alone < least->factor_of_safety
+                        ? fmt::format("; without {} a block of the group has {:.3g} by itself", them, alone->alone)
+                        : "",
+                    leave_out));
   }
+}
+
+void add_supported_by_crumbs_note(const topology::AuditedComplex& complex, stability::Settings settings,
+                                  stability::SupportPlan plan, const stability::SupportResult& support,
+                                  std::vector<BlockId> crumbs, std::string_view where,
+                                  std::vector<std::string>& notes) {
+  if (crumbs.empty()) return;
+  Volume small;
+  for (const BlockId id : crumbs) small += complex.complex().blocks()[id].volume;
+  const std::string text = text_of(crumbs.size(), small);
+  const std::string_view them = crumbs.size() == 1 ? "it" : "them";
+  settings.left_out = std::move(crumbs);
+  // The same bolts: none is placed for what falls then.
+  plan.placed.clear();
+  plan.placed = newly_placed(support, plan);
+  plan.spot.reset();
+  const stability::Analysis without = stability::analyse(complex, settings);
+  const auto not_held = [](const stability::SupportResult& result) {
+    std::vector<const stability::SupportedBlock*> rows;
+    for (const stability::SupportedBlock& row : result.blocks) {
+      if (row.held == stability::Held::not_held) rows.push_back(&row);
+    }
+    return rows;
+  };
+  const auto known = not_held(support);
+  const auto fresh = [&](const stability::SupportResult& result) {
+    std::vector<const stability::SupportedBlock*> rows = not_held(result);
+    std::erase_if(rows, [&](const stability::SupportedBlock* row) {
+      return std::ranges::any_of(known, [&](const auto* other) { return other->block == row->block; });
+    });
+    return rows;
+  };
+  plan.factors = false;
+  if (fresh(check_support(complex, settings, without, plan)).empty()) return;
+  plan.factors = true;
+  const stability::SupportResult found = check_support(complex, settings, without, plan);
+  const auto rows = fresh(found);
+  const auto factor = [](const auto* row) { return row->factor_with_support.value_or(0); };
+  const auto* least = *std::ranges::min_element(rows, {}, factor);
+  double volume = 0;
+  for (const auto* row : rows) volume += complex.complex().blocks()[row->block].volume.si();
+  notes.push_back(fmt::format(
+      "{}{} {} the required factor of safety with the support only because of {}: without {} the least is {:.3g} of "
+      "{:g} (block {}); count on no crumbs: {} leaves them out",
+      where, counted_blocks(rows.size(), volume), rows.size() == 1 ? "reaches" : "reach", text, them, factor(least),
+      least->target, least->block.value(), leave_out));
 }
 
 }  // namespace cleave::scene

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cleave/realize/run_result.hpp"
@@ -16,6 +17,15 @@ namespace cleave::scene {
                                                          const std::optional<stability::KeyGroups>& groups,
                                                          std::vector<topology::BlockId> crumbs);
 
-void add_crumb_notes(const std::optional<HeldByCrumbs>& held, std::vector<std::string>& notes);
+/// `known`: of the base case, which is not said again; empty where this is it. Blocks of another stage have other
+/// numbers: the same ones have the same volume. `where`: the load case or the stage, before the note.
+void add_crumb_notes(const std::optional<HeldByCrumbs>& held, const std::optional<HeldByCrumbs>& known,
+                     std::string_view where, std::vector<std::string>& notes);
+
+/// Of blocks that reach their target with the support, and not where crumbs are left out with the same bolts.
+void add_supported_by_crumbs_note(const topology::AuditedComplex& complex, stability::Settings settings,
+                                  stability::SupportPlan plan, const stability::SupportResult& support,
+                                  std::vector<topology::BlockId> crumbs, std::string_view where,
+                                  std::vector<std::string>& notes);
 
 }  // namespace cleave::scene

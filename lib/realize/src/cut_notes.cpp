@@ -27,7 +27,7 @@ double rounded_down(double length) {
 std::string name_of(topology::JointId id, const Scene& scene, const Realization& made) {
   const bool named = id.index() < scene.joints.size() && !scene.joints[id.index()].name.empty();
   return fmt::format("joint {} ({})", named ? scene.joints[id.index()].name : std::to_string(id.value()),
-                     made.joints[id].source);
+                     from_scene(scene, made.joints[id].source));
 }
 
 /// What removes rock never lies outside by 100 %.

@@ -42,7 +42,7 @@ enum class Detail : std::uint8_t {
 /// The rock after each stage under each [[load]].
 void judge_cases_in_stages(const Scene& scene, Realization& made);
 /// [support] in the rock after each stage of the sequence: without and with the bolts of the stage.
-void judge_support_in_stages(const Scene& scene, Realization& made, unsigned threads);
+void judge_support_in_stages(const Scene& scene, Realization& made, bool with_groups, unsigned threads);
 
 // What is judged beside the base case goes into the realization; blocks cut by a window that it depends on into
 // `Realization::undecided`.

@@ -112,7 +112,7 @@ std::vector<const stability::Analysis*> analyses_of(const std::vector<Case>& cas
 
 }  // namespace
 
-void judge_support_in_stages(const Scene& scene, Realization& made, unsigned threads) {
+void judge_support_in_stages(const Scene& scene, Realization& made, bool with_groups, unsigned threads) {
   for (StageResult& row : made.sequence->stages) {
     if (!row.complex || !*row.complex || !row.analysis) continue;
     const topology::AuditedComplex& complex = **row.complex;
@@ -132,7 +132,6 @@ void judge_support_in_stages(const Scene& scene, Realization& made, unsigned thr
     made.spot_bolts_of_stages = plan.placed;
     const stability::SupportResult installed = checks.front()(plan);
     bool fails_under_load = false;
-    const bool with_groups = scene.stability->groups != stability::GroupsCheck::off;
     for (std::size_t k = 0; k < row.cases.size(); ++k) {
       const stability::SupportResult under_load = checks[k + 1](plan);
       const SupportFigures found = count_support(under_load);

@@ -87,16 +87,21 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
                                       .chainage_parts = questions.chainage_parts,
                                       .seed = scene.seed,
                                       .support = scene.support.has_value(),
+                                      .stages = scene.support && scene.sequence,
                                       .groups = questions.groups,
                                       .clamped = questions.clamped,
                                       .at_parts = scene.stability.has_value() && has_own_opening(scene),
                                       .openings = !scene.excavations.empty(),
                                       .orders = orders_of(scene).size(),
+                                      .lifts = scene.stability && scene.stability->loads.lifts(),
                                       .strengths_per_geometry = strengths_per_geometry(scene)};
   if (!questions.axis.empty()) options.tunnel_length_m = stochastic::length_of(questions.axis);
   for (const auto& [name, p] : Percentiles::levels) options.size_levels.push_back(p);
   if (scene.stability) {
-    for (const LoadCase& load : scene.stability->cases) options.cases.push_back(load.name);
+    for (const LoadCase& load : scene.stability->cases) {
+      options.cases.push_back(load.name);
+      options.cases_lift.push_back(load.loads.lifts());
+    }
   }
   for (const NamedSet& set : scene.sets) options.sets.push_back(set.name);
   for (const ScanLine& line : scene.lines) options.lines.push_back(line.name);
@@ -178,6 +183,16 @@ stochastic::Supported tally_support(const Scene& scene, const topology::BlockCom
   }
   for (const stability::CombinedBlock& body : support.combined) sum.failing_bodies += body.passes ? 0U : 1U;
   if (questions.groups) sum.groups = supported_together(together);
+  return sum;
+}
+
+stochastic::SupportedStages tally_stages(const SequenceResult& sequence) {
+  stochastic::SupportedStages sum;
+  for (const StageResult& row : sequence.stages) {
+    if (!row.support) continue;
+    ++sum.judged;
+    sum.failing += row.support->passes() ? 0U : 1U;
+  }
   return sum;
 }
 
@@ -291,6 +306,7 @@ Record record_of(std::uint64_t k, const Realization& made, const Scene& scene, c
     for (const OrderResult& order : made.sequence->orders) {
       record.orders.push_back({order.key_blocks, order.key_volume.si()});
     }
+    if (scene.support) record.supported_stages = tally_stages(*made.sequence);
   }
   return record;
 }

@@ -100,17 +100,18 @@ double seconds_of(Step step, const Scene& scene, const CutEstimate& cut) {
 /// Searches for groups of blocks that a run makes.
 double searches_of(const Scene& scene) {
   const StabilitySettings& wanted = *scene.stability;
+  const auto stages = static_cast<double>(scene.sequence ? scene.sequence->stages.size() : 0);
   if (scene.monte_carlo) {
-    return wanted.decides_by_groups() ? static_cast<double>(scene.monte_carlo->realizations) * (scene.support ? 3 : 1)
-                                      : 0;
+    const double a_realization = scene.support ? 3 * (1 + stages) : 1;
+    return wanted.decides_by_groups() ? static_cast<double>(scene.monte_carlo->realizations) * a_realization : 0;
   }
-  const double states = 1 + static_cast<double>(wanted.cases.size()) +
-                        static_cast<double>(scene.sequence ? scene.sequence->stages.size() : 0);
+  const double states = 1 + static_cast<double>(wanted.cases.size()) + stages;
   double searches = states * (scene.support ? 3 : 1) + (wanted.group_factor ? 20 : 0);
   if (scene.support && scene.support->design) {
     const DesignSettings& design = *scene.support->design;
-    // A pattern is asked about groups below their target and what it ties to them: a tenth of a search, twice at most.
-    constexpr double a_pattern = 0.2;
+    // A pattern is asked about groups below their target and what it ties to them, once: a fifth of what a search takes
+    // in the same rock, and that is a fifth of what it takes at most.
+    constexpr double a_pattern = 0.04;
     searches += a_pattern * static_cast<double>(design.lengths.size()) * (8.0 * design.phases + design.offsets);
   }
   return searches;
@@ -118,12 +119,14 @@ double searches_of(const Scene& scene) {
 
 /// What judging blocks together took at most of examples, for each block near a free face; of all blocks at most as
 /// many as are judged together.
-Time together_of(const Scene& scene, const CutEstimate& cut) {
-  if (!scene.stability || scene.stability->groups == stability::GroupsCheck::off) return {};
+void add_together(const Scene& scene, const CutEstimate& cut, SizeEstimate& estimate) {
+  if (!scene.stability || scene.stability->groups == stability::GroupsCheck::off) return;
   const bool decides = scene.stability->decides_by_groups();
   const double a_block = decides ? 0.05 : 0.02;
   const stability::Together most = decides ? stability::most_together : stability::most_noted;
-  return Time::from_si(searches_of(scene) * a_block * std::min(cut.blocks, static_cast<double>(most.blocks)));
+  const auto limit = static_cast<double>(most.blocks);
+  estimate.together = Time::from_si(searches_of(scene) * a_block * std::min(cut.blocks, limit));
+  if (cut.blocks > limit) estimate.most_together = limit;
 }
 
 struct Decision {
@@ -247,8 +250,8 @@ std::expected<Plan, std::vector<Problem>> make_costed_plan(const Scene& scene) {
                    .blocks_low = cut.blocks_low,
                    .blocks_high = cut.blocks_high,
                    .memory_mb = program_mb + cut.memory_mb(),
-                   .seconds = program_s,
-                   .together = together_of(scene, cut)};
+                   .seconds = program_s};
+  add_together(scene, cut, plan.estimate);
   const double runs = scene.monte_carlo ? static_cast<double>(scene.monte_carlo->realizations) : 1;
   for (PlannedStep& planned : plan.steps) {
     if (!planned.run) continue;

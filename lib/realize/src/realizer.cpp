@@ -198,8 +198,8 @@ Realizer::Done Realizer::judge() {
     if (in_stages_ && final_state_) {
       made_.sequence =
           judge_stages(*scene_, *in_stages_, *final_state_, [&](const auto& state) { return analyse(state); });
-      if (detail_ == Detail::shown) judge_cases_in_stages(*scene_, made_);
-      if (scene_->support && detail_ == Detail::shown) judge_support_in_stages(*scene_, made_, options_.threads);
+      if (detail_ == Detail::shown || scene_->support) judge_cases_in_stages(*scene_, made_);
+      if (scene_->support) judge_support_in_stages(*scene_, made_, judges_groups(), options_.threads);
     }
     made_.analysis = analyse(complex);
   }
@@ -222,11 +222,6 @@ Realizer::Done Realizer::judge() {
   if (!made_.key_groups || made_.key_groups->too_many) {
     made_.barred = stability::barred_by_lesser(complex, with, *made_.analysis);
   }
-  made_.held_by_crumbs.reset();
-  if (scene_->micro_blocks.policy == MicroBlockPolicy::report && !near_) {
-    made_.held_by_crumbs = held_by_crumbs(complex, with, *made_.analysis, made_.key_groups,
-                                          micro_blocks(complex.complex(), scene_->micro_blocks));
-  }
   hold_by_next_to_nothing(with);
   judge_load_cases();
   taper_of_stages();
@@ -238,6 +233,7 @@ Realizer::Done Realizer::judge() {
       made_.group_factor = stability::factor_together(complex, with);
     }
   }
+  held_by_micro_blocks();
   made_.sensitivity = stability::sensitivity(complex, with, *made_.analysis);
   judge_maximum_blocks(*scene_, made_);
   return {};
@@ -312,7 +308,7 @@ void Realizer::judge_groups_of_cases() {
         of_detail(settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads));
     load.groups = stability::find_key_groups(complex, with, together(*scene_, options_.threads));
     if (scene_->stability->decides_by_groups()) stability::decide_by_groups(complex, with, *load.groups, load.analysis);
-    add_moving_group_notes(*load.groups, load.analysis, "load case " + load.name + ": ", group_notes_);
+    add_moving_group_notes(*load.groups, load.analysis, "load case " + load.name + ": ", notes_);
   }
 }
 
@@ -325,6 +321,48 @@ void Realizer::taper_of_stages() {
   }
 }
 
+void Realizer::held_by_micro_blocks() {
+  made_.held_by_crumbs.reset();
+  if (scene_->micro_blocks.policy != MicroBlockPolicy::report || near_) return;
+  const auto crumbs_of = [&](const topology::BlockComplex& complex) {
+    return micro_blocks(complex, scene_->micro_blocks);
+  };
+  const topology::AuditedComplex& complex = *made_.complex;
+  const auto crumbs = crumbs_of(complex.complex());
+  made_.held_by_crumbs =
+      held_by_crumbs(complex, settings(complex.complex()), *made_.analysis, made_.key_groups, crumbs);
+  for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
+    const CaseResult& load = made_.load_cases[k];
+    const stability::Settings pushed =
+        settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads);
+    add_crumb_notes(held_by_crumbs(complex, pushed, load.analysis, load.groups, crumbs), made_.held_by_crumbs,
+                    "load case " + load.name + ": ", notes_);
+  }
+  if (!made_.sequence) return;
+  for (const StageResult& row : made_.sequence->stages) {
+    if (!row.complex || !*row.complex || !row.analysis) continue;
+    const topology::AuditedComplex& stage = **row.complex;
+    add_crumb_notes(
+        held_by_crumbs(stage, settings(stage.complex()), *row.analysis, row.groups, crumbs_of(stage.complex())),
+        made_.held_by_crumbs, "after stage " + std::to_string(row.stage) + ": ", notes_);
+  }
+}
+
+void Realizer::supported_by_micro_blocks() {
+  if (scene_->micro_blocks.policy != MicroBlockPolicy::report || near_ || detail_ != Detail::shown) return;
+  const topology::AuditedComplex& complex = *made_.complex;
+  const auto crumbs = micro_blocks(complex.complex(), scene_->micro_blocks);
+  add_supported_by_crumbs_note(complex, settings(complex.complex()), scene_->support->plan, *made_.support, crumbs, "",
+                               notes_);
+  for (std::size_t k = 0; k < made_.support_cases.size(); ++k) {
+    const CaseSupport& load = made_.support_cases[k];
+    const LoadCase& stated = scene_->stability->cases[k];
+    add_supported_by_crumbs_note(complex, settings_on(complex.complex(), *scene_, made_, stated.loads),
+                                 plan_under(stated, scene_->support->plan), load.support, crumbs,
+                                 "load case " + load.name + ": ", notes_);
+  }
+}
+
 /// Each stage, with what fell before it: a state of its own, in which groups may move that do not in the final one.
 void Realizer::judge_groups_of_stages() {
   if (!made_.sequence) return;
@@ -333,13 +371,13 @@ void Realizer::judge_groups_of_stages() {
     const topology::AuditedComplex& complex = **row.complex;
     row.groups = stability::find_key_groups(complex, settings(complex.complex()), together(*scene_, options_.threads));
     const std::string after = "after stage " + std::to_string(row.stage);
-    add_moving_group_notes(*row.groups, *row.analysis, after + ": ", group_notes_);
+    add_moving_group_notes(*row.groups, *row.analysis, after + ": ", notes_);
     for (std::size_t k = 0; k < row.cases.size(); ++k) {
       StageCase& under = row.cases[k];
       under.groups = stability::find_key_groups(
           complex, of_detail(settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads)),
           together(*scene_, options_.threads));
-      add_moving_group_notes(*under.groups, under.analysis, after + ", load case " + under.name + ": ", group_notes_);
+      add_moving_group_notes(*under.groups, under.analysis, after + ", load case " + under.name + ": ", notes_);
     }
   }
 }
@@ -348,6 +386,7 @@ void Realizer::support() {
   below_target_.clear();
   if (made_.undecided.empty())
     below_target_ = judge_support(*scene_, *made_.complex, *made_.analysis, made_, detail_, options_.threads);
+  if (made_.undecided.empty()) supported_by_micro_blocks();
 }
 
 /// Whether it holds groups that miss their target, in the base case and in each load case; ensembles ask it where
@@ -380,7 +419,7 @@ std::optional<stability::GroupSupport> Realizer::groups_with_support(const stabi
           ? check_groups(*made_.complex, settings, plan, support, below_target_[number], untied, most)
           : check_groups(*made_.complex, settings, plan, support, most);
   if (!found.too_many()) return found;
-  group_notes_.push_back(too_many_with_support(where));
+  notes_.push_back(too_many_with_support(where));
   return std::nullopt;
 }
 

@@ -25,8 +25,8 @@ class Realizer final {
   [[nodiscard]] Done next(const Plan& plan, std::uint64_t realization);
 
   [[nodiscard]] const Realization& now() const noexcept { return made_; }
-  /// On groups of blocks under other load cases and after earlier stages.
-  [[nodiscard]] const std::vector<std::string>& group_notes() const noexcept { return group_notes_; }
+  /// On load cases, earlier stages and the support.
+  [[nodiscard]] const std::vector<std::string>& notes() const noexcept { return notes_; }
   [[nodiscard]] Realization take() && { return std::move(made_); }
 
  private:
@@ -49,6 +49,9 @@ class Realizer final {
   /// Blocks that stay for a reason that may not hold: a side of the domain, a slight taper.
   void hold_by_next_to_nothing(const stability::Settings& settings);
   void taper_of_stages();
+  /// What micro-blocks hold, in the base case, under each load and after each stage.
+  void held_by_micro_blocks();
+  void supported_by_micro_blocks();
   /// What the border holds of single blocks, and of groups.
   [[nodiscard]] stability::DomainHeld with_groups(stability::DomainHeld held, const stability::Settings& settings,
                                                   const stability::Analysis& analysis,
@@ -86,7 +89,7 @@ class Realizer final {
   std::optional<topology::SequentialCut> in_stages_;
   std::optional<topology::StageBlocks> final_state_;
   Realization made_;
-  std::vector<std::string> group_notes_;
+  std::vector<std::string> notes_;
   /// What misses its target without support, where a search for designs has found it: base case, then load cases.
   std::vector<stability::KeyGroups> below_target_;
 };

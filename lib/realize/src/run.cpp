@@ -142,7 +142,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   const auto done = realizer.execute(plan);
   progress.end();
   if (!done) return std::unexpected(done.error());
-  const std::vector<std::string> group_notes = realizer.group_notes();
+  const std::vector<std::string> later_notes = realizer.notes();
   RunResult result{std::move(realizer).take(), head_of(scene, std::move(plan))};
   if (result.complex) {
     CLEAVE_TRY(result.excavations, timer.run(name_of(Step::cut), [&] { return taken_by(scene, result); }));
@@ -153,7 +153,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     }
   }
   result.notes = notes_of(scene, result);
-  std::ranges::copy(group_notes, std::back_inserter(result.notes));
+  std::ranges::copy(later_notes, std::back_inserter(result.notes));
   if (result.motion) std::ranges::copy(result.motion->notes, std::back_inserter(result.notes));
   if (result.flow) std::ranges::copy(result.flow->notes, std::back_inserter(result.notes));
   if (result.complex) add_excavation_notes(result.excavations, result.notes);

@@ -20,7 +20,7 @@ void add_mapped_note(const Scene& scene, const MappedResult& mapped, std::vector
   for (const MappedJointResult& joint : mapped.joints) {
     if (!joint.honours && (worst == nullptr || joint.misfit > worst->misfit)) worst = &joint;
   }
-  const std::string& row = worst->rows.front();
+  const std::string row = from_scene(scene, worst->rows.front());
   const std::string how =
       !std::isfinite(worst->misfit.si())         ? fmt::format("{} misses a pick, or shows one too many", row)
       : worst->misfit > scene.mapped->seen.error ? fmt::format("the farthest: {}, {:.3g} m", row, worst->misfit.si())
@@ -34,8 +34,7 @@ void add_mapped_note(const Scene& scene, const MappedResult& mapped, std::vector
 
 /// What was said of the scene as it was read, sets of which nothing was drawn, and mapped joints that are not shown.
 std::vector<std::string> notes_of_input(const Scene& scene, const Realization& made) {
-  std::vector<std::string> notes;
-  for (const Problem& note : scene.notes) notes.push_back(describe(note));
+  std::vector<std::string> notes = notes_of(scene);
   for (const RandomSet& set : scene.joint_sets) {
     const bool drawn = std::ranges::any_of(made.joints, [&](const JointInfo& joint) {
       return joint.set == set.set && joint.origin == JointOrigin::drawn;
@@ -400,7 +399,7 @@ namespace {
 void add_held_notes(const Realization& made, std::vector<std::string>& notes) {
   add_enclosed_notes(made.held_from_within, notes);
   add_barred_note(made.barred, made.key_groups && made.key_groups->too_many, notes);
-  add_crumb_notes(made.held_by_crumbs, notes);
+  add_crumb_notes(made.held_by_crumbs, {}, "", notes);
   add_taper_notes(made, notes);
   add_border_notes(made, notes);
 }

@@ -85,7 +85,7 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
     page.result.figures.notes.push_back(fmt::format(
         "key blocks and support are those of the rock when all is excavated: what moves only in a stage before the "
         "last is not in these figures{}; a replay of a realization judges every stage",
-        scene.support ? ", nor what the support leaves after one" : ""));
+        scene.support ? ", and what the support leaves after one is in support_fails_at_a_stage alone" : ""));
   }
   if (scene.stability && scene.stability->group_factor) {
     page.result.figures.notes.push_back(
@@ -113,7 +113,7 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
   add_lifted_notes(scene, page.result.figures);
   add_flow_notes(scene, page.result.figures);
   std::ranges::move(notes_on_lines(scene), std::back_inserter(page.result.figures.notes));
-  for (const scene::Problem& note : scene.notes) page.notes.push_back(describe(note));
+  std::ranges::copy(page.result.figures.notes, std::back_inserter(page.notes));
   if (scene.monte_carlo && scene.monte_carlo->stop) page.stop_quantity = scene.monte_carlo->stop->quantity;
   return page;
 }

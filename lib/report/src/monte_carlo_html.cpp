@@ -64,7 +64,7 @@ std::string cards(const MonteCarloPage& page) {
   add("First batch", "first_batch_volume_m3", " m³");
   add("Blocks", "block_count", "");
   add("Inflow", "inflow_m3_s", " m³/s");
-  out += detail::notes_figure(f.notes.size() + page.notes.size());
+  out += detail::notes_figure(page.notes.size());
   if (f.failures > 0) {
     out += detail::key_figure("Failed", display_count(f.failures), "realizations, left out of the figures", "bad");
   }
@@ -416,7 +416,6 @@ std::string extremes_section(const Figures& f) {
 
 std::string notes_section(const MonteCarloPage& page) {
   std::string items;
-  for (const std::string& note : page.result.figures.notes) items += "<li>" + escape_xml(note) + "</li>\n";
   for (const std::string& note : page.notes) items += "<li>" + escape_xml(note) + "</li>\n";
   if (items.empty()) return {};
   return "<section id=\"notes\"><h2>Notes</h2>\n<ul>\n" + items + "</ul></section>\n";

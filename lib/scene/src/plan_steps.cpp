@@ -36,6 +36,22 @@ void add_inputs(const KeyTable& keys, const std::vector<std::string>& given, Pla
   }
 }
 
+std::string from_scene(const SceneHead& scene, std::string file) {
+  if (!scene.shown.ends_with(scene.file_name)) return file;
+  const std::string_view folder{scene.shown.data(), scene.shown.size() - scene.file_name.size()};
+  if (file.starts_with(folder)) file.erase(0, folder.size());
+  return file;
+}
+
+std::vector<std::string> notes_of(const SceneHead& scene) {
+  std::vector<std::string> notes;
+  for (Problem note : scene.notes) {
+    note.file = from_scene(scene, std::move(note.file));
+    notes.push_back(describe(note));
+  }
+  return notes;
+}
+
 ResultHead head_of(const SceneHead& scene, Plan plan) {
   return {.title = scene.title,
           .project = scene.project,
@@ -43,7 +59,8 @@ ResultHead head_of(const SceneHead& scene, Plan plan) {
           .scene_file = scene.file_name,
           .scene_sha256 = scene.sha256,
           .plan = std::move(plan),
-          .output = scene.output};
+          .output = scene.output,
+          .notes = notes_of(scene)};
 }
 
 Plan plan_of_bodies(Step work, const std::string& why, const std::string& files, bool report) {

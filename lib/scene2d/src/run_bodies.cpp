@@ -293,7 +293,6 @@ std::expected<BodiesResult, std::vector<Problem>> run(const BodiesScene& scene, 
                                                       Progress& progress) {
   BodiesResult result;
   static_cast<ResultHead&>(result) = head_of(scene, make_plan(scene));
-  for (const Problem& note : scene.notes) result.notes.push_back(describe(note));
   progress.begin("elastic");
   const auto wrong = timer.run("elastic", [&] {
     return scene.time ? run_motion(scene, threads, result, progress) : solve_static(scene, threads, result);

@@ -218,7 +218,6 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
   const RigidityChoice rigidity = rigidity_of(scene);
   result.elastic = rigidity.elastic;
   result.to_rest = scene.settings.to_rest;
-  for (const Problem& note : scene.notes) result.notes.push_back(describe(note));
   if (rigidity.elastic && rigidity.strain && *rigidity.strain > strain_too_large) {
     result.notes.push_back(
         fmt::format("strains may reach {:.1g}, but elastic bodies are computed for small ones: is young in Pa and "

@@ -232,17 +232,19 @@ bool is_scene(const TomlTable& tree, const std::string& shown, Problems& problem
 
 /// What a scene has that a quantity may be of.
 struct Counted {
-  bool judged, only_key_blocks, opened, has_own_opening, supported, in_groups, stressed, joined, flows;
+  bool judged, only_key_blocks, opened, has_own_opening, supported, in_stages, in_groups, stressed, joined, flows;
 };
 
 Counted counted_in(const std::optional<StabilitySettings>& stability, const OutputSettings& output,
                    const std::vector<Excavation>& excavations, const std::optional<SupportSettings>& support,
-                   const std::optional<FieldStressSettings>& stress, const std::optional<FlowSettings>& flow) {
+                   const std::optional<FieldStressSettings>& stress, const std::optional<FlowSettings>& flow,
+                   bool in_stages) {
   return {.judged = stability.has_value(),
           .only_key_blocks = output.only_key_blocks,
           .opened = !excavations.empty(),
           .has_own_opening = std::ranges::any_of(excavations, &Excavation::own_shape),
           .supported = support.has_value(),
+          .in_stages = in_stages,
           .in_groups = stability && stability->decides_by_groups(),
           .stressed = stress.has_value(),
           .joined = flow.has_value(),
@@ -265,6 +267,8 @@ void check_stop(const TableReader& root, const std::optional<MonteCarloSettings>
            "add a tunnel, shaft or cavern, or take the quantity of all key blocks");
   } else if (quantity->support && !in.supported) {
     refuse("is of a support design, and there is none", "add [support], or take key_block_volume");
+  } else if (quantity->stages && !in.in_stages) {
+    refuse("is of stages of the excavation, and there is one", "give excavations other `stage` numbers");
   } else if (quantity->groups && !in.in_groups) {
     refuse("is of blocks judged together, which do not decide here", "set stability.groups = \"decide\"");
   } else if (quantity->clamped && !in.stressed) {
@@ -335,7 +339,8 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   }
   std::optional<MonteCarloSettings> monte_carlo = parse_monte_carlo(root);
   check_flow_water(context, stability.settings, flow, sequence.has_value());
-  check_stop(root, monte_carlo, counted_in(stability.settings, output, excavations, support, field_stress, flow));
+  check_stop(root, monte_carlo,
+             counted_in(stability.settings, output, excavations, support, field_stress, flow, sequence.has_value()));
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
 
   SceneHead head{.title = header.title,

@@ -128,8 +128,8 @@ const KeyTable& joint_set_keys() {
             {"orientation", key::table(&orientation_keys), required,
              "`dip`, `dip_direction` and the law of the deviations from them, below"},
             {"shape", key::either({key::word(shape_words), key::text()}), "\"rectangle\"",
-             "`\"square\"`, `\"disc\"`, `\"ellipse\"`, `\"polygon(6)\"`; `\"disc(16)\"`, `\"ellipse(16)\"` or `sides = "
-             "16` for another number of sides than 32"},
+             "`\"rectangle\"`, `\"square\"`, `\"disc\"`, `\"ellipse\"`, `\"polygon(6)\"`; `\"disc(16)\"`, "
+             "`\"ellipse(16)\"` or `sides = 16` for another number of sides than 32"},
             {"sides", key::whole(3, most_sides), "32", "of discs, ellipses and polygons"},
             {"size", size_type(), required,
              "m: side, or diameter (ellipse: first axis; polygon: through the corners). A number, `\"persistent\"`, or "

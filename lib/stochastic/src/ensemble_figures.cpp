@@ -87,7 +87,7 @@ double Ensemble::upper_end(std::string_view name, double mean, double high) cons
   return of_blocks && options_.rock ? std::max(mean, std::min(high, options_.rock->si())) : high;
 }
 
-Estimate Ensemble::estimate(const Quantity& q, const Moments& moments, const Tail& tail) const {
+Estimate Ensemble::estimate(const Quantity& q, const Moments& moments, const Tail& tail, bool lifts) const {
   Estimate e = estimate(std::string{q.name}, moments, tail, Method::mean);
   if (q.probability && units_ > 0) {
     const Interval exact = probability_interval(moments);
@@ -95,6 +95,7 @@ Estimate Ensemble::estimate(const Quantity& q, const Moments& moments, const Tai
     e.high = exact.high;
     e.optimistic = false;
   }
+  if (q.lifted && !lifts) e.high = e.mean;  // 0, and not for want of samples
   return e;
 }
 
@@ -167,9 +168,10 @@ void Ensemble::add_orders(Figures& figures) const {
 void Ensemble::add_cases(Figures& figures) const {
   for (std::size_t k = 0; k < cases_.size(); ++k) {
     CaseEstimates& under = figures.cases.emplace_back(options_.cases[k]);
+    const bool lifts = k >= options_.cases_lift.size() || options_.cases_lift[k];
     for (std::size_t i = 0; i < quantities().size(); ++i) {
       if (!of_case(quantities()[i])) continue;
-      under.estimates.push_back(estimate(quantities()[i], cases_[k].moments[i], cases_[k].tails[i]));
+      under.estimates.push_back(estimate(quantities()[i], cases_[k].moments[i], cases_[k].tails[i], lifts));
     }
     for (std::size_t i = 0; i < options_.volumes_m3.size() && units_ > 0; ++i) {
       const Moments& hits = cases_[k].exceeding[i];
@@ -194,7 +196,7 @@ void Ensemble::add_estimates(Figures& figures) const {
   for (std::size_t i = 0; i < quantities().size(); ++i) {
     const Quantity& q = quantities()[i];
     if (!has(q)) continue;
-    Estimate e = estimate(q, moments_[i], tails_[i]);
+    Estimate e = estimate(q, moments_[i], tails_[i], options_.lifts);
     if (q.quantiles && e.realizations >= 3 && lean(e.skewness, e.realizations) > skewed) {
       const std::vector<double> units = (options_.strengths_per_geometry > 1 ? means_[i] : values_[i]).all();
       e.bootstrap = bca_mean(units, options_.confidence, resamples, options_.seed);

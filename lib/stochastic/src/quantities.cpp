@@ -25,6 +25,14 @@ Quantity at_part(Quantity quantity) {
   quantity.at_parts = true;
   return by_case(quantity);
 }
+Quantity of_lifting(Quantity quantity) {
+  quantity.lifted = true;
+  return by_case(quantity);
+}
+Quantity at_stages(Quantity quantity) {
+  quantity.stages = true;
+  return quantity;
+}
 Quantity over_openings(Quantity quantity) {
   quantity.openings = true;
   return quantity;
@@ -57,6 +65,10 @@ FlowTally flow_of(const Record& r) { return r.flow.value_or(FlowTally{}); }
 WaterTally water_of(const Record& r) { return flow_of(r).water.value_or(WaterTally{}); }
 /// Key blocks that move away from all their joints against gravity.
 double lifted_count(const Record& r) { return number(r.all.modes[std::to_underlying(stability::Mode::lifting)]); }
+/// Something is not held when all is excavated.
+bool support_fails(const Record& r) {
+  return r.support && (r.support->not_held > 0 || r.support->failing_bodies > 0 || together_of(r).not_held > 0);
+}
 double clamped_volume(const Record& r) { return r.clamped ? r.all.volume_m3 - r.clamped->held_volume.si() : 0; }
 
 }  // namespace
@@ -68,6 +80,7 @@ bool Quantity::asked_in(const Record& record) const noexcept {
   if (openings && !(record.free_m2 > 0)) return false;
   if (flow && !record.flow) return false;
   if (water && !(record.flow && record.flow->water)) return false;
+  if (stages && !record.supported_stages) return false;
   if (support) return record.support && (!groups || record.support->groups);
   return !groups || record.groups.has_value();
 }
@@ -102,7 +115,7 @@ const std::vector<Quantity>& block_quantities() {
       over_openings({"support_pressure_pa", pressure_over_area, true, false, true}),
       {"largest_support_pressure_pa", [](const Record& r) { return r.largest_pressure_pa; }, true, false, true, false,
        false, false, false, true},
-      by_case({"lifted_count", lifted_count, true, false, false}),
+      of_lifting({"lifted_count", lifted_count, true, false, false}),
       by_case({"domain_held_count", [](const Record& r) { return r.border ? number(r.border->count) : 0; }, true, false,
                true}),
       by_case({"domain_held_volume_m3", [](const Record& r) { return r.border ? r.border->volume.si() : 0; }, true,
@@ -137,13 +150,14 @@ const std::vector<Quantity>& support_quantities() {
       at_part({"required_pressure_walls_pa", pressure_at<Part::walls>, true, false, true, true}),
       at_part({"required_pressure_floor_pa", pressure_at<Part::floor>, true, false, true, true}),
       by_case({"required_pressure_faces_pa", pressure_at<Part::faces>, true, false, true, true}),
-      by_case({"support_fails",
-               [](const Record& r) {
-                 if (!r.support) return 0.0;
-                 return r.support->not_held > 0 || r.support->failing_bodies > 0 || together_of(r).not_held > 0 ? 1.0
-                                                                                                                : 0.0;
-               },
-               true, false, false, true, true}),
+      by_case({"support_fails", [](const Record& r) { return support_fails(r) ? 1.0 : 0.0; }, true, false, false, true,
+               true}),
+      at_stages({"support_fails_at_a_stage",
+                 [](const Record& r) {
+                   const bool before = r.supported_stages && r.supported_stages->failing > 0;
+                   return before || support_fails(r) ? 1.0 : 0.0;
+                 },
+                 true, false, false, true, true}),
       by_case({"support_spot_bolts", [](const Record& r) { return r.support ? number(r.support->spot_bolts) : 0; },
                true, false, false, true}),
       by_case({"support_groups_not_held", [](const Record& r) { return number(together_of(r).not_held); }, true, false,

@@ -173,7 +173,7 @@ std::string_view record_columns() noexcept {
          "first_count,first_volume_m3,first_largest_m3,first_support_n,first_support_transferred_n,first_falling,"
          "first_lifting,first_sliding,first_wedge,first_tetrahedral,first_pentahedral,first_hexahedral,first_higher,"
          "first_other,first_concave,first_sphericity_sum,first_sizes,above,chainage_m3,support,orders,groups,clamped,"
-         "border,whole,whole_bins,sets,lines,cases,tapered,at_parts,cases_lifting,flow,crc32";
+         "border,whole,whole_bins,sets,lines,cases,tapered,at_parts,cases_lifting,flow,supported_stages,crc32";
 }
 
 std::string line_of(const Record& r) {
@@ -202,7 +202,8 @@ std::string line_of(const Record& r) {
   }
   const std::vector<double> whole = numbers_of(r.whole), sets = numbers_of(r.sets), lines = numbers_of(r.lines),
                             cases = numbers_of(r.cases), tapered = numbers_of(r.tapered),
-                            at_parts = numbers_of(r.at_parts), flow = numbers_of(r.flow);
+                            at_parts = numbers_of(r.at_parts), flow = numbers_of(r.flow),
+                            stages = numbers_of(r.supported_stages);
   const std::vector<float> bins = bins_of(r.whole);
   w.list(std::span{whole});
   w.list(std::span{bins});
@@ -215,6 +216,7 @@ std::string line_of(const Record& r) {
   for (const CaseTally& c : r.cases) lifting.push_back(c.lifting);
   w.list(std::span{std::as_const(lifting)});
   w.list(std::span{flow});
+  w.list(std::span{stages});
   return std::move(w).finish();
 }
 
@@ -248,7 +250,8 @@ std::optional<Record> record_of(std::string_view line) {
   r.tally(record.first);
   r.list(record.above);
   r.list(record.chainage_m3);
-  std::vector<double> support, orders, groups, clamped, border, whole, sets, lines, cases, tapered, at_parts, flow;
+  std::vector<double> support, orders, groups, clamped, border, whole, sets, lines, cases, tapered, at_parts, flow,
+      stages;
   std::vector<float> bins;
   std::vector<std::uint64_t> lifting;
   r.list(support);
@@ -265,11 +268,12 @@ std::optional<Record> record_of(std::string_view line) {
   r.list(at_parts);
   r.list(lifting);
   r.list(flow);
+  r.list(stages);
   if (!take(support, record.support) || !take(orders, record.orders) || !take(groups, record.groups) ||
       !take(clamped, record.clamped) || !take(border, record.border) || !take(whole, bins, record.whole) ||
       !take(sets, record.sets) || !take(lines, record.lines) || !take(cases, record.cases) ||
       !take(tapered, record.tapered) || !take(at_parts, record.at_parts) || !take(flow, record.flow) ||
-      lifting.size() != record.cases.size()) {
+      !take(stages, record.supported_stages) || lifting.size() != record.cases.size()) {
     return std::nullopt;
   }
   for (std::size_t k = 0; k < lifting.size(); ++k) record.cases[k].lifting = lifting[k];

@@ -111,6 +111,17 @@ std::vector<double> numbers_of(const std::optional<FlowTally>& f) {
   return numbers;
 }
 
+std::vector<double> numbers_of(const std::optional<SupportedStages>& s) {
+  if (!s) return {};
+  return {static_cast<double>(s->judged), static_cast<double>(s->failing)};
+}
+
+bool take(const std::vector<double>& n, std::optional<SupportedStages>& stages) {
+  if (n.empty()) return true;
+  if (n.size() != 2 || !is_count(n[0]) || !is_count(n[1]) || n[1] > n[0]) return false;
+  stages = SupportedStages{static_cast<std::uint64_t>(n[0]), static_cast<std::uint64_t>(n[1])};
+  return true;
+}
 bool take(const std::vector<double>& n, std::optional<Supported>& support) {
   if (n.empty()) return true;
   constexpr std::size_t own = 6 + part_count;

@@ -20,6 +20,7 @@ namespace cleave::stochastic {
 [[nodiscard]] std::vector<double> numbers_of(const std::vector<LineTally>& part);
 [[nodiscard]] std::vector<double> numbers_of(const std::optional<FlowTally>& part);
 [[nodiscard]] std::vector<double> numbers_of(const std::optional<WholeBlocks>& part);
+[[nodiscard]] std::vector<double> numbers_of(const std::optional<SupportedStages>& part);
 /// Bin, number and volume of each.
 [[nodiscard]] std::vector<float> bins_of(const std::optional<WholeBlocks>& part);
 
@@ -34,6 +35,7 @@ namespace cleave::stochastic {
 [[nodiscard]] bool take(const std::vector<double>& numbers, std::vector<SetTally>& part);
 [[nodiscard]] bool take(const std::vector<double>& numbers, std::vector<LineTally>& part);
 [[nodiscard]] bool take(const std::vector<double>& numbers, std::optional<FlowTally>& part);
+[[nodiscard]] bool take(const std::vector<double>& numbers, std::optional<SupportedStages>& part);
 [[nodiscard]] bool take(const std::vector<double>& numbers, const std::vector<float>& bins,
                         std::optional<WholeBlocks>& part);
 

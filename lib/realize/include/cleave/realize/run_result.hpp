@@ -254,15 +254,16 @@ struct ExcavationInfo {
 
 /// What micro-blocks hold.
 struct HeldByCrumbs {
+  struct Row {
+    topology::BlockId block;  ///< of a group the first
+    Volume volume = {};
+    double factor_of_safety = 0;
+    double alone = std::numeric_limits<double>::infinity();  ///< of a group: least of its blocks without crumbs
+  };
   std::uint64_t crumbs = 0;
   Volume volume_of_crumbs = {};
-  std::uint64_t blocks = 0;  ///< that move by themselves where these are left out, and not otherwise
-  Volume volume = {};
-  double least_factor = std::numeric_limits<double>::infinity();
-  std::optional<topology::BlockId> least = {};  ///< of these, the one with that factor
-  std::uint64_t groups = 0;                     ///< key groups that have some among them or right beside them
-  double least_of_groups = std::numeric_limits<double>::infinity();
-  double alone_without = std::numeric_limits<double>::infinity();  ///< least of their blocks where crumbs are left out
+  std::vector<Row> blocks = {};  ///< that move by themselves where these are left out, and not otherwise
+  std::vector<Row> groups = {};  ///< key groups that have some among them or right beside them
 };
 
 /// Joint faces of a block on one plane.

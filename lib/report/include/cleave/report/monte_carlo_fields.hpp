@@ -333,7 +333,7 @@ void fields(V& v, const MonteCarloPage& x) {
         "them bare");
       w("key_volume_beside_fixed_share", f.beside_fixed_share,
         "of the volume of key blocks, that of those beside such a block");
-      w("notes", f.notes);
+      w("notes", f.notes, "of those at the top, what is said of the figures here");
       w("hash", f.hash);
     }),
     "the same bytes for any number of threads, shards and interruptions");

@@ -58,6 +58,7 @@ struct SizeEstimate {
   /// Of CPU, at most in most scenes: blocks judged together. How many lie near free faces and how they hold each other
   /// only the cut tells, and scenes of one size differ by a thousand.
   Time together = {};
+  double most_together = 0;  ///< nothing where more blocks than these are near free faces; 0: there are fewer
 };
 
 /// What a run of a scene does and leaves out, one entry a step in the order of `all_steps` (but
@@ -137,7 +138,11 @@ struct ResultHead {
   OutputSettings output = {};
   std::vector<std::string> notes = {};  ///< what a user should know: joints outside the domain, what was left out
 };
-/// Of a scene before it runs: without cost and notes.
+/// A file's name, from the folder of the scene on where it lies there: so the same scene has the same notes anywhere.
+[[nodiscard]] std::string from_scene(const SceneHead& scene, std::string file);
+/// What was said of a scene as it was read.
+[[nodiscard]] std::vector<std::string> notes_of(const SceneHead& scene);
+/// Of a scene before it runs: without cost, and with the notes on the scene alone.
 [[nodiscard]] ResultHead head_of(const SceneHead& scene, Plan plan);
 
 /// What every summary.json begins with.
@@ -151,6 +156,8 @@ void head_fields(V& v, const ResultHead& x) {
   v("scene_sha256", x.scene_sha256, "of the scene file's bytes, hexadecimal");
   v("plan", x.plan.steps);
   v("cost", x.cost);
+  v("notes", x.notes,
+    "what the user should know, as in the terminal, log.txt and the report; files are named from the scene's folder");
 }
 
 /// The timer's bookings as they stand in a result.

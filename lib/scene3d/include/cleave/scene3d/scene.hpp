@@ -142,6 +142,12 @@ struct LoadSet {
   std::uint32_t line = 1;                     ///< in the scene file
   /// No water at all.
   [[nodiscard]] bool dry() const noexcept { return actions.dry() && !flow; }
+  /// Something beside weight may push upwards: without it no block moves off all its joints against gravity.
+  [[nodiscard]] bool lifts() const noexcept {
+    const stability::ActionSpec& spec = actions.spec();
+    return !dry() || !spec.surcharges.empty() || !spec.points.empty() || !spec.lines.empty() ||
+           geometry::dot(body.seismic(), body.gravity()) < 0;
+  }
 };
 
 /// A [[load]]: the loads of [stability] and its own, judged apart.

@@ -32,6 +32,8 @@ struct Quantity {
   bool openings = false;     ///< needs excavations, over whose area it is
   bool flow = false;         ///< needs [flow]
   bool water = false;        ///< needs water that stands somewhere
+  bool lifted = false;       ///< 0 where no load lifts
+  bool stages = false;       ///< needs a support that is judged after each stage
   /// Whether the scene of this record asks for it.
   [[nodiscard]] bool asked_in(const Record& record) const noexcept;
 };
@@ -235,12 +237,15 @@ struct EnsembleOptions {
   std::uint32_t chainage_parts = 0;
   std::uint64_t seed = 1;                ///< of the bootstrap
   bool support = false;                  ///< a support design was checked
+  bool stages = false;                   ///< and so it was after each stage of the excavation
   bool groups = false;                   ///< blocks were judged together
   bool clamped = false;                  ///< stress across joints was looked at
   bool at_parts = false;                 ///< an opening is no cut from above: key blocks are counted by where they are
   bool openings = true;                  ///< there are excavations
   std::size_t orders = 0;                ///< of excavation stages
   std::vector<std::string> cases = {};   ///< names of the load cases, in the order of the records
+  bool lifts = true;                     ///< a load of the base case may lift blocks; weight alone lifts none
+  std::vector<bool> cases_lift = {};     ///< the same of each load case
   std::vector<std::string> sets = {};    ///< names of the joint sets, in the order of the records
   std::vector<std::string> lines = {};   ///< names of the scanlines, in the order of the records
   bool flow = false;                     ///< joints that hang together were looked for
@@ -317,15 +322,16 @@ class Ensemble final {
   [[nodiscard]] bool has(const Quantity& q) const {
     return has(q.stability, q.whole_system) && (options_.support || !q.support) && (options_.groups || !q.groups) &&
            (options_.clamped || !q.clamped) && (options_.at_parts || !q.at_parts) &&
-           (options_.openings || !q.openings) && (options_.flow || !q.flow) && (options_.water || !q.water);
+           (options_.openings || !q.openings) && (options_.flow || !q.flow) && (options_.water || !q.water) &&
+           (options_.stages || !q.stages);
   }
   static const std::vector<Ratio>& ratios();
   [[nodiscard]] static std::size_t index_of(std::string_view quantity);
   [[nodiscard]] std::vector<double> numbers_of(const Record& record) const;
   void add_unit(const std::vector<double>& sums);
   void add_extremes(const Record& record);
-  /// With the interval of a probability where it is one.
-  [[nodiscard]] Estimate estimate(const Quantity& quantity, const Moments& moments, const Tail& tail) const;
+  /// With the interval of a probability where it is one. `lifts`: some load may lift blocks.
+  [[nodiscard]] Estimate estimate(const Quantity& quantity, const Moments& moments, const Tail& tail, bool lifts) const;
   [[nodiscard]] Estimate estimate(std::string name, const Moments& moments, const Tail& tail, Method method) const;
   /// The upper end of the interval of a mean, no farther up than it can be.
   [[nodiscard]] double upper_end(std::string_view name, double mean, double high) const;

@@ -131,6 +131,13 @@ struct Staying {
   friend bool operator==(const Staying&, const Staying&) = default;
 };
 
+/// The support after each stage of the excavation, with what is installed by then.
+struct SupportedStages {
+  std::uint64_t judged = 0;   ///< stages whose rock passed its check
+  std::uint64_t failing = 0;  ///< of these, after which it does not hold, in the base case or under a load
+  friend bool operator==(const SupportedStages&, const SupportedStages&) = default;
+};
+
 /// What moves under a load case, `[[load]]`.
 struct CaseTally {
   std::uint64_t count = 0;  ///< key blocks
@@ -245,6 +252,7 @@ struct Record {
   std::vector<CaseTally> cases;        ///< in the order of the scene's load cases
   std::vector<PartTally> at_parts;     ///< by Part, key blocks with a free face; empty with cuts from above alone
   std::optional<FlowTally> flow = {};  ///< of a scene with [flow]
+  std::optional<SupportedStages> supported_stages = {};  ///< of a scene with [support] that is dug in stages
   friend bool operator==(const Record&, const Record&) = default;
 };
 
