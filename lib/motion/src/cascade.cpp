@@ -249,9 +249,13 @@ class Cascade {
     for (const Point& p : group_.points) warm = warm || !p.start.isZero();
     if (warm && group_.settled) look_at(held_by_law(start()), Method::newton);
     // What it misses adds up to a speed, step by step: once it is looked at more closely the group goes to sleep.
-    constexpr double by_far = 1e-2;
-    const bool again = tried_ && best_.report.residual <= by_far * options_.accept;
-    if (warm && !again) coulomb(start(), Method::newton, {.rough = 1e-4, .fine = 1e-6});
+    const double by_far = std::min(5e-8, 0.3 * options_.accept);
+    const auto is_met = [&] { return tried_ && best_.report.residual <= by_far; };
+    // A group at rest is mostly off by what one step at a small weight puts right.
+    if (warm && group_.settled && !is_met()) {
+      coulomb(start(), Method::newton, {.rough = 1e-6, .fine = 1e-6, .last = 1, .finest = 1e-6});
+    }
+    if (warm && !is_met()) coulomb(start(), Method::newton, {.rough = 1e-4, .fine = 1e-6});
     if (warm && done() && group_.settled) {
       best_.report.may_be_locked = *group_.settled;
       best_.report.iterations = factors();

@@ -81,7 +81,7 @@ double World::Impl::part(std::vector<State>& s, const std::vector<TieRecord>& ti
       wrong = std::max(wrong, -slack.back() / t.length);
     }
     if (round == 0) deepest = deep;
-    if (wrong <= 1e-9) return lift;
+    if (wrong <= 5e-3 * options.overlap) return lift;
     // What wedges between walls is left as it is: the look at all overlaps after the step decides.
     if (round + 1 == rounds) return lift;
     std::vector<double> travel(shapes.size(), 0);
