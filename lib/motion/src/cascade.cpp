@@ -250,7 +250,9 @@ class Cascade {
     if (warm && group_.settled) look_at(held_by_law(start()), Method::newton);
     // What it misses adds up to a speed, step by step: once it is looked at more closely the group goes to sleep.
     const double by_far = std::min(5e-8, 0.3 * options_.accept);
-    const auto is_met = [&] { return tried_ && best_.report.residual <= by_far; };
+    const auto is_met = [&] {
+      return tried_ && best_.report.residual <= by_far && best_.report.missed_speed <= group_.still;
+    };
     // A group at rest is mostly off by what one step at a small weight puts right.
     if (warm && group_.settled && !is_met()) {
       coulomb(start(), Method::newton, {.rough = 1e-6, .fine = 1e-6, .last = 1, .finest = 1e-6});

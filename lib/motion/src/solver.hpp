@@ -41,6 +41,8 @@ struct Group {
   /// Where `start` of its points was the answer of this group at rest: it is taken again where it meets the law by far,
   /// else what Newton's method finds from there, and no other answer is searched. Whether it may be locked.
   std::optional<bool> settled = {};
+  /// m/s by which an answer taken again may miss the law: it adds up, and bodies have to stay at rest.
+  double still = std::numeric_limits<double>::infinity();
 };
 
 struct Solution {

@@ -308,6 +308,7 @@ World::Impl::Solved World::Impl::solve_island(const Island& island, const Attemp
   for (const double rebound : {1.0, 0.99, 0.97, 0.93, 0.85, 0.7, 0.5, 0.25, 0.0}) {
     out.group = group_of(island, list, mid, step, rebound);
     out.group.settled = settled;
+    out.group.still = 0.1 * options.sleep_speed;
     SolverOptions how = options.solver;
     how.tolerate = tolerate;
     const double slow = 2 * step * strongest();
