@@ -201,6 +201,14 @@ TEST(Cases, OverlapIsSeenApartFromContacts) {
   EXPECT_NEAR(overlap_depth(a, b, 1e-9), 0.03, 1e-12);
 }
 
+TEST(Cases, TheDeepestOfSeveralOverlapsIsNamed) {
+  std::vector<BodySpec> bodies;
+  for (const double x : {0.0, 1.0, 1.99, 4.0, 4.9, 7.0, 7.95}) bodies.push_back(body(box({x, 0, 0}, {x + 1, 1, 1})));
+  const auto made = World::make({.bodies = std::move(bodies)}, {});
+  ASSERT_FALSE(made.has_value());
+  EXPECT_EQ(made.error().bodies, (std::vector<std::uint32_t>{3, 4}));
+}
+
 TEST(Cases, WidestAxisOfTwoCubes) {
   const auto cells = convex_cells(block(1, 1, 1), 1);
   Placed a{.cell = &(*cells)[0], .size = std::sqrt(3.0)}, b = a;
