@@ -110,18 +110,19 @@ std::vector<Pair> World::Impl::near_pairs(const std::vector<double>& travel) con
   }
   if (moving.empty()) return {};
   const geometry::BoxTree tree{boxes};
-  std::vector<Pair> out = in_pieces(placed.size(), ThreadLimit{options.threads}, [&](std::size_t first, std::size_t last) {
-    std::vector<Pair> own;
-    for (auto c = static_cast<std::uint32_t>(first); c < last; ++c) {
-      const std::uint32_t body = placed[c].body;
-      tree.overlapping(placed[c].box.grown(travel[body]), [&](std::uint32_t at) {
-        const std::uint32_t other = moving[at];
-        if (placed[other].body == body || (moves(body) && other < c)) return;
-        own.emplace_back(std::min(c, other), std::max(c, other));
+  std::vector<Pair> out =
+      in_pieces(placed.size(), ThreadLimit{options.threads}, [&](std::size_t first, std::size_t last) {
+        std::vector<Pair> own;
+        for (auto c = static_cast<std::uint32_t>(first); c < last; ++c) {
+          const std::uint32_t body = placed[c].body;
+          tree.overlapping(placed[c].box.grown(travel[body]), [&](std::uint32_t at) {
+            const std::uint32_t other = moving[at];
+            if (placed[other].body == body || (moves(body) && other < c)) return;
+            own.emplace_back(std::min(c, other), std::max(c, other));
+          });
+        }
+        return own;
       });
-    }
-    return own;
-  });
   std::ranges::sort(out);
   return out;
 }

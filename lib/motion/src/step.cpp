@@ -370,8 +370,9 @@ std::expected<bool, World::Impl::Failure> World::Impl::solve_all(const std::vect
     if (mixed) take_implicit_rule(island);
   }
   if (!kept) return false;
-  const std::vector<Solved> all = parallel_map(
-      islands.size(), ThreadLimit{options.threads}, [&](std::size_t k) { return solve_island(islands[k], out, mid, step, tolerate); });
+  const std::vector<Solved> all = parallel_map(islands.size(), ThreadLimit{options.threads}, [&](std::size_t k) {
+    return solve_island(islands[k], out, mid, step, tolerate);
+  });
   for (std::size_t k = 0; k < islands.size(); ++k) {
     const Island& island = islands[k];
     const Solved& solved = all[k];

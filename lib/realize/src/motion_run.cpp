@@ -319,8 +319,7 @@ Force MotionResult::largest_bolt_force() const noexcept {
 }
 
 std::expected<MotionResult, Problem> run_motion(const Scene& scene, const Realization& made,
-                                                const BlockComplex& complex, const MovingRun& how,
-                                                unsigned threads) {
+                                                const BlockComplex& complex, const MovingRun& how, unsigned threads) {
   MotionCast cast =
       cast_of(scene, *scene.motion, made, complex, waves_of(scene, made, complex), {.gone = {}, .all_free = true});
   motion::WorldOptions options = options_of(scene, *scene.motion, made);
