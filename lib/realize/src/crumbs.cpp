@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "cleave/core/text.hpp"
+
 namespace cleave::scene {
 
 namespace {
@@ -44,7 +46,7 @@ std::string text_of(std::size_t crumbs, Volume volume) {
 }
 
 std::string counted_blocks(std::size_t count, double volume) {
-  return fmt::format("{} ({:.4g} m3)", count == 1 ? "1 block" : fmt::format("{} blocks", count), volume);
+  return fmt::format("{} ({:.4g} m3)", counted(count, "block", "blocks"), volume);
 }
 
 double volume_of(const std::vector<HeldByCrumbs::Row>& rows) {
@@ -123,8 +125,8 @@ void add_crumb_notes(const std::optional<HeldByCrumbs>& held, const std::optiona
     const auto alone = std::ranges::min_element(groups, {}, &HeldByCrumbs::Row::alone);
     notes.push_back(
         fmt::format("{}{} on {}{}: what {} in {} {:.3g}{}; {} judges without", where,
-                    groups.size() == 1 ? "1 key group leans" : fmt::format("{} key groups lean", groups.size()),
-                    one ? "" : "some of ", crumbs, one ? "it holds is" : "these hold is",
+                    counted(groups.size(), "key group leans", "key groups lean"), one ? "" : "some of ", crumbs,
+                    one ? "it holds is" : "these hold is",
                     groups.size() == 1 ? "the factor of" : "their factors, the least of them", least->factor_of_safety,
                     alone->alone < least->factor_of_safety
                         ? fmt::format("; without {} a block of the group has {:.3g} by itself", them, alone->alone)
