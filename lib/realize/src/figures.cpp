@@ -372,7 +372,8 @@ Figures count(const RunResult& result) {
   if (figures.support && result.sequence) {
     auto& failing = figures.support->failing_stages.emplace();
     for (const StageResult& row : result.sequence->stages) {
-      if (row.support && !row.support->passes()) failing.push_back(row.stage);
+      // Where the rock of a stage did not pass its own check, nothing says that it holds.
+      if (!row.support || !row.support->passes()) failing.push_back(row.stage);
     }
   }
   if (!result.maximum_blocks.empty()) figures.maximum_blocks = count_maximum_blocks(result.maximum_blocks);
