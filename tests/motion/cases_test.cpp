@@ -220,6 +220,34 @@ TEST(Cases, WidestAxisOfTwoCubes) {
   expect_near(axis->normal, {0.86418333, 0.01107871, 0.50305509}, 1e-7);
 }
 
+TEST(Cases, SidesThatAreNearlyParallelMeetAroundTheCrossingOfTheirEdges) {
+  // A slab on another, tilted by a thousandth: the widest gap is that of two edges, but the sides lie on each other.
+  const auto cells = convex_cells(block(1, 1, 0.2), 0.2);
+  ASSERT_TRUE(cells.has_value());
+  for (const double tilt : {1e-3, -1e-3}) {
+    for (const double turn : {0.2, 1.0, 1.3}) {
+      Placed above{.cell = cells->data(), .body = 0, .size = std::sqrt(2.04)}, below = above;
+      below.body = below.number = 1;
+      place(below, {}, {});
+      place(above, {0.6, 0.5, 0.2004}, turn_by({tilt, 0.4 * tilt, 0}) * turn_by({0, 0, turn}));
+      const auto axis = widest_axis(above, below);
+      ASSERT_TRUE(axis && axis->kind == Axis::Kind::edges);
+      std::vector<Touch> touches;
+      touches_along(above, below, *axis, 0.01, true, touches);
+      ASSERT_EQ(touches.size(), 4U);
+      for (std::size_t k = 1; k < 4; ++k) {
+        EXPECT_GT(touches[k].gap, axis->gap);
+        EXPECT_NEAR(touches[k].gap, (touches[k].point.z - 0.1) / axis->normal.z, 1e-15);
+        EXPECT_GT(norm(touches[k].point - touches[0].point), 0.1);
+      }
+      // No farther than they are asked for.
+      touches.clear();
+      touches_along(above, below, *axis, axis->gap + 1e-6, true, touches);
+      EXPECT_EQ(touches.size(), 1U);
+    }
+  }
+}
+
 TEST(Cases, ConcaveBodiesAreTheirCells) {
   const Polyhedron shape = prism({{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 2}, {0, 2}}, 0, 1);
   const auto cells = convex_cells(shape, 4);

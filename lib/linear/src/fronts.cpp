@@ -191,77 +191,87 @@ void FrontalFactor::clear(bool symmetric) {
   std::ranges::fill(values_, 0.0);
 }
 
-Eigen::Map<Eigen::MatrixXd> FrontalFactor::block(std::size_t row, std::size_t column) {
+double* FrontalFactor::values_of(std::size_t row, std::size_t column) {
   const std::uint32_t r = place_[row];
   const auto of_row = std::span{columns_}.subspan(starts_[r], starts_[r + 1] - starts_[r]);
   const auto found = std::ranges::lower_bound(of_row, place_[column]) - of_row.begin();
   const std::size_t at = (starts_[r] + static_cast<std::size_t>(found)) * static_cast<std::size_t>(width_ * width_);
-  return {std::span{values_}.subspan(at).data(), width_, width_};
+  return std::span{values_}.subspan(at).data();
 }
 
 bool FrontalFactor::factorise() {
+  switch (width_) {
+    case 3: return eliminate<3>();
+    case 6: return eliminate<6>();
+    default: return eliminate<Eigen::Dynamic>();
+  }
+}
+
+/// Entries of the pivots and of the fronts below; of a symmetric matrix those on and below the diagonal.
+template <int Width>
+Eigen::MatrixXd FrontalFactor::assemble(const Front& front, const std::vector<std::uint32_t>& local,
+                                        std::vector<Eigen::MatrixXd>& updates) const {
   const Eigen::Index w = width_;
-  const auto size_of_block = static_cast<std::size_t>(w * w);
+  const auto first_of = [&](std::uint32_t node) { return w * static_cast<Eigen::Index>(local[node]); };
+  const auto size = static_cast<std::size_t>(front.last - front.first) + front.rows.size();
+  Eigen::MatrixXd full =
+      Eigen::MatrixXd::Zero(w * static_cast<Eigen::Index>(size), w * static_cast<Eigen::Index>(size));
+  const auto values = [&](std::size_t which) {
+    const std::size_t at = which * static_cast<std::size_t>(w * w);
+    return Eigen::Map<const Eigen::Matrix<double, Width, Width>>(std::span{values_}.subspan(at).data(), w, w);
+  };
+  for (std::uint32_t r = front.first; r < front.last; ++r) {
+    for (std::size_t at = starts_[r]; at < starts_[r + 1]; ++at) {
+      if (columns_[at] < front.first) continue;
+      const Eigen::Index i = first_of(r), j = first_of(columns_[at]);
+      full.block<Width, Width>(i, j, w, w) = values(at);
+      if (columns_[at] >= front.last) full.block<Width, Width>(j, i, w, w) = values(mirror_[at]);
+    }
+  }
+  for (const std::uint32_t child : front.children) {
+    const std::vector<std::uint32_t>& rows = fronts_[child].rows;
+    for (std::size_t c = 0; c < rows.size(); ++c) {
+      for (std::size_t r = symmetric_ ? c : 0; r < rows.size(); ++r) {
+        full.block<Width, Width>(first_of(rows[r]), first_of(rows[c]), w, w) += updates[child].block<Width, Width>(
+            w * static_cast<Eigen::Index>(r), w * static_cast<Eigen::Index>(c), w, w);
+      }
+    }
+    updates[child].resize(0, 0);
+  }
+  return full;
+}
+
+template <int Width>
+bool FrontalFactor::eliminate() {
   std::vector<Eigen::MatrixXd> updates(fronts_.size());
   std::vector<std::uint32_t> local(nodes(), none);
-  std::vector<Eigen::Index> to;  // rows of the front that rows of an update go to
   for (std::size_t f = 0; f < fronts_.size(); ++f) {
     const Front& front = fronts_[f];
     const std::uint32_t pivots = front.last - front.first;
     for (std::uint32_t k = 0; k < front.rows.size(); ++k) local[front.rows[k]] = pivots + k;
     for (std::uint32_t k = 0; k < pivots; ++k) local[front.first + k] = k;
-    const Eigen::Index inner = w * static_cast<Eigen::Index>(pivots);
-    const Eigen::Index outer = w * static_cast<Eigen::Index>(front.rows.size());
-    Eigen::MatrixXd full = Eigen::MatrixXd::Zero(inner + outer, inner + outer);
-    for (std::uint32_t r = front.first; r < front.last; ++r) {
-      for (std::size_t at = starts_[r]; at < starts_[r + 1]; ++at) {
-        if (columns_[at] < front.first) continue;
-        const auto values = [&](std::size_t which) {
-          return Eigen::Map<const Eigen::MatrixXd>(std::span{values_}.subspan(which * size_of_block).data(), w, w);
-        };
-        const Eigen::Index i = w * static_cast<Eigen::Index>(local[r]);
-        const Eigen::Index j = w * static_cast<Eigen::Index>(local[columns_[at]]);
-        full.block(i, j, w, w) = values(at);
-        if (columns_[at] >= front.last) full.block(j, i, w, w) = values(mirror_[at]);
-      }
-    }
-    for (const std::uint32_t child : front.children) {
-      const std::vector<std::uint32_t>& rows = fronts_[child].rows;
-      const Eigen::MatrixXd& update = updates[child];
-      to.clear();
-      for (const std::uint32_t row : rows) {
-        for (Eigen::Index k = 0; k < w; ++k) to.push_back(w * static_cast<Eigen::Index>(local[row]) + k);
-      }
-      for (Eigen::Index c = 0; c < update.cols(); ++c) {
-        const Eigen::Index j = to[static_cast<std::size_t>(c)];
-        for (Eigen::Index r = symmetric_ ? c : 0; r < update.rows(); ++r) {
-          full.coeffRef(to[static_cast<std::size_t>(r)], j) += update.coeff(r, c);
-        }
-      }
-      updates[child].resize(0, 0);
-    }
+    const Eigen::Index inner = width_ * static_cast<Eigen::Index>(pivots);
+    const Eigen::Index outer = width_ * static_cast<Eigen::Index>(front.rows.size());
+    const Eigen::MatrixXd full = assemble<Width>(front, local, updates);
     Factor& factor = factors_[f];
+    factor.below = full.bottomLeftCorner(outer, inner);
     if (symmetric_) {
       factor.cholesky.compute(full.topLeftCorner(inner, inner));
       if (factor.cholesky.info() != Eigen::Success) return false;
-      factor.below = full.bottomLeftCorner(outer, inner);
-      if (outer > 0) {
-        factor.cholesky.matrixU().solveInPlace<Eigen::OnTheRight>(factor.below);
-        updates[f] = full.bottomRightCorner(outer, outer);
-        updates[f].selfadjointView<Eigen::Lower>().rankUpdate(factor.below, -1.0);
-      }
+      if (outer == 0) continue;
+      factor.cholesky.matrixU().solveInPlace<Eigen::OnTheRight>(factor.below);
+      updates[f] = full.bottomRightCorner(outer, outer);
+      updates[f].selfadjointView<Eigen::Lower>().rankUpdate(factor.below, -1.0);
     } else {
       factor.lu.compute(full.topLeftCorner(inner, inner));
       if (!(factor.lu.matrixLU().diagonal().cwiseAbs().minCoeff() > 0)) return false;
-      factor.below = full.bottomLeftCorner(outer, inner);
-      if (outer > 0) {
-        factor.right = factor.lu.permutationP() * full.topRightCorner(inner, outer);
-        const auto triangles = factor.lu.matrixLU();
-        triangles.template triangularView<Eigen::Upper>().template solveInPlace<Eigen::OnTheRight>(factor.below);
-        triangles.template triangularView<Eigen::UnitLower>().solveInPlace(factor.right);
-        updates[f] = full.bottomRightCorner(outer, outer);
-        updates[f].noalias() -= factor.below * factor.right;
-      }
+      if (outer == 0) continue;
+      factor.right = factor.lu.permutationP() * full.topRightCorner(inner, outer);
+      const auto triangles = factor.lu.matrixLU();
+      triangles.template triangularView<Eigen::Upper>().template solveInPlace<Eigen::OnTheRight>(factor.below);
+      triangles.template triangularView<Eigen::UnitLower>().solveInPlace(factor.right);
+      updates[f] = full.bottomRightCorner(outer, outer);
+      updates[f].noalias() -= factor.below * factor.right;
     }
   }
   return true;

@@ -105,13 +105,16 @@ class Cascade {
         const double left = interior_.solve(x, {.weight = weight, .coupled = coupled});
         look_at(x, Method::interior);
         if (!(left < 1e-2) && is_large()) continue;  // far from any answer: Newton's iteration would get lost
-        for (const double rough : {1e-3, 1e-5, 1e-7}) {
+        for (const double rough : {1e-1, 1e-3, 1e-5, 1e-7}) {
           if (done()) return;
           Unknowns near = x;
-          (void)newton_.solve({.law = Law::coulomb}, near, {.rough = rough, .fine = std::min(rough, 1e-6)});
+          const double fall = rough > 1e-2 ? 0.3 : 0.1;
+          (void)newton_.solve({.law = Law::coulomb}, near,
+                              {.rough = rough, .fine = std::min(rough, 1e-6), .fall = fall});
           look_at(near, Method::interior);
           settle();
         }
+        if (is_large()) by_slip(slips(x), x, 1e-5, 4, 6);
       }
     }
   }
@@ -194,14 +197,14 @@ class Cascade {
   /// forces that only lock blocks between one another, and hold as well as not, are not found; from none they are.
   enum class From : std::uint8_t { frictionless, rest };
   void by_slip(From from, double finest, int last) {
-    Unknowns x = none();
-    Programme programme{.law = Law::cone, .given = std::vector<double>(x.size(), 0)};
-    if (from == From::frictionless) {
-      programme.given = slips(smooth(1e-5));
-    }
+    const bool slides = from == From::frictionless;
+    by_slip(slides ? slips(smooth(1e-5)) : std::vector<double>(group_.points.size(), 0), none(), finest, last, 60);
+  }
+  void by_slip(std::vector<double> first, Unknowns x, double finest, int last, int most) {
+    Programme programme{.law = Law::cone, .given = std::move(first)};
     Progress progress;
     double off = std::numeric_limits<double>::infinity();
-    for (int round = 0; round < 60 && !done() && !spent() && progress.goes_on(off); ++round) {
+    for (int round = 0; round < most && !done() && !spent() && progress.goes_on(off); ++round) {
       const double hidden =
           cone(programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = last, .finest = finest}, 1e-8);
       off = look_at(x, Method::convex);
@@ -263,10 +266,11 @@ class Cascade {
       best_.report.iterations = factors();
       return;
     }
-    if (!done()) coulomb(none(), Method::newton, {});
-    // Dear rounds of convex programmes come second in large groups. Elsewhere what moves is looked for in motion first.
-    const bool first = options_.locking && is_large();
+    // Without friction Newton's iteration comes home from none. Dear rounds of convex programmes come second in large
+    // groups. Elsewhere what moves is looked for in motion first.
+    const bool first = is_large() && std::ranges::any_of(group_.points, [](const Point& p) { return p.mu > 0; });
     if (!done() && first) by_interior();
+    if (!done()) coulomb(none(), Method::newton, {});
     if (!done()) by_slip(From::frictionless, 1e-5, 4);
     if (is_large() && !yields_) {
       exact_ = true;

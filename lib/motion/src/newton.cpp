@@ -65,6 +65,8 @@ void Scaled::add(const Element& e, const Vector3d& x, VectorXd& v) const {
 
 namespace {
 
+bool is_symmetric(const Eigen::Matrix3d& m) { return m == m.transpose(); }
+
 void held_in_disc(const Vector2d& t, double radius, linear::Projection& out) {
   linear::onto_disc(t, radius, out);
   out.any = out.any || radius > 0 || t.norm() <= radius;
@@ -136,14 +138,20 @@ double Newton::evaluate(const Programme& programme, const std::vector<Vector3d>&
   return value;
 }
 
-bool Newton::direction(const std::vector<Local>& locals, double rho, bool symmetric, const VectorXd& gradient,
-                       VectorXd& step) {
+bool Newton::factorise(const std::vector<Local>& locals, double rho, bool symmetric) {
   system_.clear(symmetric);
   for (std::size_t k = 0; k < locals.size(); ++k) {
     if (locals[k].any) system_.add_element(scaled_->elements[k], locals[k].slope / rho);
   }
+  return system_.factorise();
+}
+
+bool Newton::direction(const std::vector<Local>& locals, double rho, const VectorXd& gradient, VectorXd& step) {
+  // Where nothing slips with friction, half of the work does. Rounding may cost a pivot its sign; rows in another
+  // order bear that.
+  const bool symmetric = std::ranges::all_of(locals, [](const Local& l) { return !l.any || is_symmetric(l.slope); });
+  if (!(symmetric && factorise(locals, rho, true)) && !factorise(locals, rho, false)) return false;
   step = -gradient;
-  if (!system_.factorise()) return false;
   system_.solve(step);
   return step.allFinite();
 }
@@ -178,7 +186,7 @@ double Newton::inner(const Programme& programme, std::vector<Vector3d>& x, doubl
     const double rounding = rounding_of(locals, rho, v);
     const bool is_near = size <= rounding;
     if (size <= 0.03 * rounding) break;
-    if (!direction(locals, rho, convex, gradient, step)) return std::numeric_limits<double>::infinity();
+    if (!direction(locals, rho, gradient, step)) return std::numeric_limits<double>::infinity();
     const double slope = gradient.dot(step);
     const linear::Search how{.convex = convex, .rounding = 1e-13 * std::abs(value), .halvings = is_near ? 2 : 20};
     double tried_share = 0, tried_value = 0;

@@ -76,8 +76,9 @@ class Newton final {
   /// Residual v - G P(x - y / rho); of the convex laws also the function that it is the gradient of.
   double evaluate(const Programme& programme, const std::vector<Eigen::Vector3d>& centre, double rho,
                   const Eigen::VectorXd& v, Eigen::VectorXd& gradient, std::vector<Local>& locals) const;
-  [[nodiscard]] bool direction(const std::vector<Local>& locals, double rho, bool symmetric,
-                               const Eigen::VectorXd& gradient, Eigen::VectorXd& step);
+  [[nodiscard]] bool factorise(const std::vector<Local>& locals, double rho, bool symmetric);
+  [[nodiscard]] bool direction(const std::vector<Local>& locals, double rho, const Eigen::VectorXd& gradient,
+                               Eigen::VectorXd& step);
   double inner(const Programme& programme, std::vector<Eigen::Vector3d>& x, double rho, Eigen::VectorXd& v);
 
   const Scaled* scaled_;

@@ -156,6 +156,27 @@ void along_side(const Placed& reference, const Placed& incident, std::uint32_t s
   }
 }
 
+/// Where edges cross that belong to sides nearly parallel, the sides meet elsewhere with the least turn: the corners of
+/// what they share, seen along the normal, whose gaps are within reach.
+void around_crossing(const Placed& first, const Placed& second, const Touch& crossing, double reach,
+                     std::vector<Touch>& out) {
+  const Vec3 normal = crossing.normal;
+  const std::uint32_t facing = facing_side(first, normal), side = facing_side(second, -normal);
+  const double steep = dot(second.normals[side], normal);
+  if (!(steep > 0) || !(dot(first.normals[facing], normal) < 0)) return;
+  const std::vector<Vec3> base = side_points(second, side);
+  std::vector<Vec3> points = over_side(side_points(first, facing), base, normal, 1e-12 * crossing.size);
+  thin_out(points, 1e-9 * crossing.size);
+  Touch touch = crossing;
+  touch.surface = first.cell->sides[facing].surface;
+  touch.other_surface = second.cell->sides[side].surface;
+  for (const Vec3 p : points) {
+    touch.gap = dot(second.normals[side], p - base[0]) / steep;
+    touch.point = p;
+    if (touch.gap <= reach && norm(cross(p - crossing.point, normal)) > 1e-6 * crossing.size) out.push_back(touch);
+  }
+}
+
 void along_edge_pair(const Placed& first, const Placed& second, const Axis& axis, double reach, bool strict,
                      std::vector<Touch>& out) {
   if (axis.gap > reach) return;
@@ -167,16 +188,18 @@ void along_edge_pair(const Placed& first, const Placed& second, const Axis& axis
   const double s = dot(cross(between, v), n) / square, t = dot(cross(between, u), n) / square;
   const double rim = strict ? 1e-6 : -1e-9;
   if (s < rim || s > 1 - rim || t < rim || t > 1 - rim) return;
-  out.push_back({.body = first.body,
-                 .other = second.body,
-                 .cell = first.number,
-                 .other_cell = second.number,
-                 .point = 0.5 * (p + s * u + q + t * v),
-                 .normal = axis.normal,
-                 .gap = axis.gap,
-                 .surface = first.cell->sides[e.left].surface,
-                 .other_surface = second.cell->sides[f.left].surface,
-                 .size = std::min(first.size, second.size)});
+  Touch touch{.body = first.body,
+              .other = second.body,
+              .cell = first.number,
+              .other_cell = second.number,
+              .point = 0.5 * (p + s * u + q + t * v),
+              .normal = axis.normal,
+              .gap = axis.gap,
+              .surface = first.cell->sides[e.left].surface,
+              .other_surface = second.cell->sides[f.left].surface,
+              .size = std::min(first.size, second.size)};
+  out.push_back(touch);
+  around_crossing(first, second, touch, reach, out);
 }
 
 }  // namespace

@@ -37,11 +37,12 @@ class BlockSystem final {
   /// Adds to the block of two bodies that are linked or the same; of a symmetric matrix both (r, c) and (c, r).
   template <class Block>
   void add(std::size_t row, std::size_t column, const Block& value) {
+    constexpr int width = Block::RowsAtCompileTime;
     if (sparse_) {
-      sparse_->block(row, column) += value;
+      sparse_->block<width>(row, column) += value;
     } else {
-      dense_.block(width_ * static_cast<Eigen::Index>(row), width_ * static_cast<Eigen::Index>(column), width_,
-                   width_) += value;
+      dense_.block<width, width>(width_ * static_cast<Eigen::Index>(row), width_ * static_cast<Eigen::Index>(column),
+                                 width_, width_) += value;
     }
   }
   /// What an element with `slope` between velocity and force adds.

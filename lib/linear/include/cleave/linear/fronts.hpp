@@ -19,7 +19,10 @@ class FrontalFactor final {
   void clear(bool symmetric);
   /// Adds to block (row, column), which must be linked or on the diagonal; of a symmetric matrix both (r, c) and (c,
   /// r).
-  [[nodiscard]] Eigen::Map<Eigen::MatrixXd> block(std::size_t row, std::size_t column);
+  template <int Width = Eigen::Dynamic>
+  [[nodiscard]] Eigen::Map<Eigen::Matrix<double, Width, Width>> block(std::size_t row, std::size_t column) {
+    return {values_of(row, column), width_, width_};
+  }
   /// False when a pivot vanishes.
   [[nodiscard]] bool factorise();
   /// In place.
@@ -43,6 +46,12 @@ class FrontalFactor final {
     Eigen::PartialPivLU<Eigen::MatrixXd> lu;
     Eigen::MatrixXd below, right;
   };
+  double* values_of(std::size_t row, std::size_t column);
+  template <int Width>
+  [[nodiscard]] bool eliminate();
+  template <int Width>
+  [[nodiscard]] Eigen::MatrixXd assemble(const Front& front, const std::vector<std::uint32_t>& local,
+                                         std::vector<Eigen::MatrixXd>& updates) const;
   void order();
   void find_fronts(const std::vector<std::uint32_t>& parent, std::vector<std::vector<std::uint32_t>>&& below);
 
