@@ -77,7 +77,7 @@ std::optional<string_view> likely_unit(double number, double factor, const Numbe
   for (const Unit& unit : kind->units) {
     const double value = std::abs(number) * unit.factor, times = unit.factor / factor;
     // gon for degrees is no slip that shows, and nobody gives a thickness in km.
-    const bool of_other_size = (times < 0.5 || times > 2) && unit.factor <= rule.usual->high;
+    const bool of_other_size = (times < 0.5 || times > 2) && (kind->unit != "m" || unit.factor <= rule.usual->high);
     if (of_other_size && value >= rule.usual->low && value <= rule.usual->high) return unit.symbol;
   }
   return std::nullopt;
