@@ -121,7 +121,6 @@ const std::vector<Quantity>& block_quantities() {
       {"largest_support_pressure_pa", [](const Record& r) { return r.largest_pressure_pa; }, true, false, true, false,
        false, false, false, true},
       of_lifting({"lifted_count", lifted_count, true, false, false}),
-      of_turning({"turning_count", [](const Record& r) { return number(r.turning.value_or(0)); }, true, false, true}),
       of_turning({"probability_of_turning", [](const Record& r) { return r.turning.value_or(0) > 0 ? 1.0 : 0.0; }, true,
                   false, false, false, true}),
       by_case({"domain_held_count", [](const Record& r) { return r.border ? number(r.border->count) : 0; }, true, false,
