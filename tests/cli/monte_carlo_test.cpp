@@ -148,6 +148,35 @@ TEST_F(MonteCarloTest, WaterThatLiftsKeyBlocksIsSaid) {
   EXPECT_FALSE(quake["notes"].dump().contains("water lifts"));
 }
 
+// A column of 1 x 4 m beside a crack, under 0.3 g: it cannot slide and topples.
+TEST_F(MonteCarloTest, BlocksThatTurnAreSaid) {
+  const auto run = [&](const std::string& stability) {
+    write("s.toml",
+          "[domain]\nbox = { min = [0, 0, 0], max = [20, 10, 14] }\n"
+          "[[joint]]\nset = \"B\"\npolygon = [[18.95, 1.9, 10], [20.05, 1.9, 10], [20.05, 8.1, 10], [18.95, 8.1, 10]]\n"
+          "[[joint]]\nset = \"C\"\npolygon = [[19, 1.9, 9.95], [19, 1.9, 14.05], [19, 8.1, 14.05], [19, 8.1, 9.95]]\n"
+          "[[joint]]\nset = \"C\"\npolygon = [[18.95, 2, 9.9], [20.1, 2, 9.9], [20.1, 2, 15], [18.95, 2, 15]]\n"
+          "[[joint]]\nset = \"C\"\npolygon = [[18.95, 8, 9.9], [20.1, 8, 9.9], [20.1, 8, 15], [18.95, 8, 15]]\n"
+          "[joints.B]\nfriction = 40\n[joints.C]\nfriction = 0\n[rock]\ndensity = 2700\n"
+          "[stability]\nfree = [\"top\", \"east\"]\n" +
+              stability + "[monte_carlo]\nrealizations = 2\n");
+    EXPECT_EQ(cleave("run s.toml -o out --quiet").code, 0);
+    return section("out");
+  };
+  const std::string said = "in 100 % of the realizations blocks turn or topple though they cannot slide: they ";
+  const json flagged = run("seismic = [0.3, 0, 0]\n");
+  EXPECT_EQ(flagged["quantities"]["probability_of_failure"]["mean"], 0);
+  EXPECT_EQ(flagged["quantities"]["probability_of_turning"]["mean"], 1);
+  EXPECT_TRUE(flagged["notes"].dump().contains("\"" + said + "count as key blocks only with rotation"));
+  const json decided = run("rotation = \"decide\"\nseismic = [0.3, 0, 0]\n");
+  EXPECT_EQ(decided["quantities"]["probability_of_failure"]["mean"], 1);
+  EXPECT_TRUE(decided["notes"].dump().contains("\"" + said + "are key blocks, but factors and forces"));
+  const json quake = run("[[load]]\nname = \"quake\"\nseismic = [0.3, 0, 0]\n");
+  EXPECT_EQ(quake["load_cases"][0]["quantities"]["probability_of_turning"]["mean"], 1);
+  EXPECT_TRUE(quake["notes"].dump().contains("\"load case quake: " + said));
+  EXPECT_FALSE(quake["notes"].dump().contains("\"" + said));
+}
+
 // A pressure over the area of excavations is none, with a reason, where there are none.
 TEST_F(MonteCarloTest, WithoutExcavationsNoPressureIsOverTheirArea) {
   write("s.toml", slab_in_the_floor + "seismic = [0, 0, 1.5]\n[monte_carlo]\nrealizations = 2\n");

@@ -53,8 +53,41 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"LastDecimalComma", with_box("[[joint]]\nplane = { dip = 45, dip_direction = -90,5 }\n"),
             "s.toml:4: TOML: the number has a decimal comma; write a point"},
         Bad{"NoDecimalComma", with_box("[[joint]]\nplane = { dip = 45, dip_direction : 90 }\n"),
-            "s.toml:4: TOML: Error while parsing key-value pair: expected '=', saw ':'; fix the syntax: see "
-            "https://toml.io"},
+            "s.toml:4: TOML: a key and its value are joined by =, not by a colon; write ="},
+        Bad{"ThousandsOrDecimalComma", "snap = 2,700\n",
+            "s.toml:1: TOML: the number has a comma; write 2700 where thousands are meant, a point where the comma is "
+            "a "
+            "decimal one"},
+        Bad{"UnitWithoutQuotes", "[joints.A]\nfriction = 30 deg\n",
+            "s.toml:2: TOML: a number with its unit stands in quotes; write \"30 deg\""},
+        Bad{"DegreesWithoutQuotes", "[joints.A]\nfriction = 30\u00b0\n",
+            "s.toml:2: TOML: a number with its unit stands in quotes; write \"30\u00b0\""},
+        Bad{"UnitRightBehindTheNumber", "[rock]\nunit_weight = 26kN/m3 # of it\n",
+            "s.toml:2: TOML: a number with its unit stands in quotes; write \"26kN/m3\""},
+        Bad{"UnitInAnInlineTable", with_box("[[joint]]\nplane = { dip = 45 deg, dip_direction = 90 }\n"),
+            "s.toml:4: TOML: a number with its unit stands in quotes; write \"45 deg\""},
+        Bad{"LeadingZero", with_box("[[joint]]\nplane = { dip = 45, dip_direction = 045 }\n"),
+            "s.toml:4: TOML: a number begins with no 0 before other digits; write 45"},
+        Bad{"NoDigitBeforeThePoint", "snap = .5\n", "s.toml:1: TOML: a number begins with a digit; write 0.5"},
+        Bad{"NoDigitBehindThePoint", "snap = -30.\n", "s.toml:1: TOML: a point stands between digits; write -30.0"},
+        Bad{"ColonForEquals", "[joints.A]\nfriction: 30\n",
+            "s.toml:2: TOML: a key and its value are joined by =, not by a colon; write friction = ..."},
+        Bad{"CommentOfAnotherLanguage", "seed = 1 // the first\n",
+            "s.toml:1: TOML: a comment begins with #, not with //; write #"},
+        Bad{"Semicolon", "seed = 1;\n", "s.toml:1: TOML: a line has no semicolon at its end; leave it out"},
+        Bad{"InlineTableOverTwoLines", with_box("[[joint]]\nplane = { through = [4, 4, 3],\n  dip = 20 }\n"),
+            "s.toml:4: TOML: a table between { and } ends on the line on which it begins; write it on one line, or as "
+            "a "
+            "[table] of its own with one key a line"},
+        Bad{"TrueInCapitals", "[rock]\nflag = True\n", "s.toml:2: TOML: true and false are written small; write true"},
+        Bad{"Radius",
+            with_box("[[joint_set]]\norientation = { dip = 30, dip_direction = 90 }\nshape = \"disc\"\nradius = 3\n"
+                     "size = 6\nintensity = { count = 3 }\n"),
+            "s.toml:6: joint_set[1].radius: unknown key; give size = 2 radius: the size of a disc is its diameter"},
+        Bad{"SizesFromMoreToLess",
+            with_box("[[joint_set]]\norientation = { dip = 30, dip_direction = 90 }\n"
+                     "size = { distribution = \"uniform\", min = 9, max = 3 }\nintensity = { count = 3 }\n"),
+            "s.toml:5: joint_set[1].size: min = 9 m is above max = 3 m; swap them"},
         Bad{"Backslashes", "include = \"C:\\sets\\a.toml\"\n",
             "s.toml:1: TOML: a backslash in double quotes begins a sign such as \\n; write paths with / or in single "
             "quotes"},

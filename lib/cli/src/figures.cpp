@@ -85,7 +85,9 @@ std::string design_line(const scene::DesignResult& design) {
 std::string support_verdict(const scene::SupportFigures& support, const std::vector<scene::SupportCaseFigures>& cases) {
   const bool unjudged = support.groups_judged == scene::GroupsJudged::too_many;
   if (!support.passes()) {
-    return unjudged && support.block_by_block ? "passes block by block, GROUPS OF BLOCKS NOT JUDGED" : "DOES NOT PASS";
+    return unjudged && support.block_by_block && support.turning_not_held == 0
+               ? "passes block by block, GROUPS OF BLOCKS NOT JUDGED"
+               : "DOES NOT PASS";
   }
   const scene::FailsElsewhere elsewhere = scene::fails_elsewhere(support, cases);
   return fmt::format("passes{}{}{}{}{}",
@@ -109,6 +111,11 @@ std::string support_lines(const scene::SupportFigures& support, const std::vecto
                         counted(support.key_blocks_behind, "more key block", "more key blocks"),
                         support.key_blocks_behind == 1 ? "lies" : "lie", one ? "it" : "them",
                         support.key_blocks_behind == 1 ? "stays" : "stay", one ? "it is" : "they are");
+  }
+  if (support.turning > 0) {
+    text += fmt::format("  {} only {}: {} not held, or not judged with moments\n",
+                        counted(support.turning, "more key block", "more key blocks"),
+                        support.turning == 1 ? "turns" : "turn", support.turning_not_held);
   }
   text += fmt::format("  {}, {} ({} failing); ", counted(support.bolts, "bolt", "bolts"),
                       counted(support.combined, "stitched body", "stitched bodies"), support.combined_failing) +

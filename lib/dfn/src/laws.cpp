@@ -286,6 +286,7 @@ std::string describe(const SizeError& error) {
           [](const MissingParameter& e) { return fmt::format("{}: missing; this law needs it", e.key); },
           [](const BadParameter& e) { return fmt::format("{}: {} is out of range; {}", e.key, e.value, e.remedy); },
           [](const EmptyRange& e) {
+            if (e.min > e.max) return fmt::format("min = {} m is above max = {} m; swap them", e.min.si(), e.max.si());
             return fmt::format("the law has no sizes between min = {} m and max = {} m; widen the limits", e.min.si(),
                                e.max.si());
           },

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -55,6 +56,20 @@ double volume_of(const std::vector<HeldByCrumbs::Row>& rows) {
   return volume;
 }
 
+/// Whether a group moves, or is in doubt, at the same factor where the crumbs are left out.
+bool same_without(const stability::KeyGroup& group, const stability::KeyGroups& free) {
+  if (free.too_many) return false;
+  double least = std::numeric_limits<double>::infinity();
+  for (const stability::KeyGroup& other : free.groups) {
+    const bool shares =
+        std::ranges::any_of(other.blocks, [&](BlockId id) { return std::ranges::binary_search(group.blocks, id); });
+    if (!shares) continue;
+    if (other.verdict != group.verdict) return false;
+    least = std::min(least, other.least_factor());
+  }
+  return std::abs(least - group.least_factor()) <= 1e-6 * group.least_factor();
+}
+
 constexpr std::string_view leave_out = "[micro_blocks] policy = \"exclude\"";
 
 }  // namespace
@@ -62,7 +77,7 @@ constexpr std::string_view leave_out = "[micro_blocks] policy = \"exclude\"";
 std::optional<HeldByCrumbs> held_by_crumbs(const topology::AuditedComplex& complex, stability::Settings settings,
                                            const stability::Analysis& analysis,
                                            const std::optional<stability::KeyGroups>& groups,
-                                           std::vector<BlockId> crumbs) {
+                                           std::vector<BlockId> crumbs, const stability::Together& most) {
   if (crumbs.empty()) return std::nullopt;
   const auto volume = [&](BlockId id) { return complex.complex().blocks()[id].volume; };
   HeldByCrumbs held{.crumbs = crumbs.size()};
@@ -91,6 +106,15 @@ std::optional<HeldByCrumbs> held_by_crumbs(const topology::AuditedComplex& compl
       held.groups[g].alone = std::min(held.groups[g].alone, factor);
     }
     if (!std::ranges::binary_search(known, id)) held.blocks.push_back({id, volume(id), factor});
+  }
+  if (!leaning.empty()) {
+    const stability::KeyGroups free = stability::find_key_groups(complex, settings, most);
+    std::vector<HeldByCrumbs::Row> rows;
+    for (std::size_t g = 0; g < leaning.size(); ++g) {
+      const HeldByCrumbs::Row& row = held.groups[g];
+      if (row.alone < row.factor_of_safety || !same_without(*leaning[g], free)) rows.push_back(row);
+    }
+    held.groups = std::move(rows);
   }
   return held.blocks.empty() && held.groups.empty() ? std::nullopt : std::optional{std::move(held)};
 }

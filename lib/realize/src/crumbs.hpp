@@ -15,7 +15,8 @@ namespace cleave::scene {
                                                          stability::Settings settings,
                                                          const stability::Analysis& analysis,
                                                          const std::optional<stability::KeyGroups>& groups,
-                                                         std::vector<topology::BlockId> crumbs);
+                                                         std::vector<topology::BlockId> crumbs,
+                                                         const stability::Together& most);
 
 /// `known`: of the base case, which is not said again; empty where this is it. Blocks of another stage have other
 /// numbers: the same ones have the same volume. `where`: the load case or the stage, before the note.

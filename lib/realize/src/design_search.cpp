@@ -200,7 +200,7 @@ class DesignSearch {
     }
     bool passes(std::size_t check) {
       Found& found = (*found_)[check];
-      if (!found.passes) found.passes = checked(check).passes();
+      if (!found.passes) found.passes = search_->passes(checked(check), search_->checks_[check]);
       return *found.passes;
     }
     const GroupsLeft& groups(std::size_t check) {
@@ -227,6 +227,10 @@ class DesignSearch {
     std::optional<stability::SupportPlan> whole_;
   };
   [[nodiscard]] bool has_groups() const { return std::ranges::any_of(checks_, &PlanCheck::has_groups); }
+  /// Block by block; what only turns is asked of groups.
+  [[nodiscard]] bool passes(const stability::SupportResult& result, const PlanCheck& check) const {
+    return result.passes() && (check.has_groups() || result.holds_what_turns());
+  }
   [[nodiscard]] bool asks_groups(const PlanCheck& check) const {
     return asked_ != GroupsHeld::unasked && check.has_groups();
   }
@@ -290,7 +294,7 @@ class DesignSearch {
   /// Whether the plan as it lies holds everything under one load case.
   bool held_under(PlanCheck& check, const stability::SupportPlan& plan, Missing& missing) {
     const stability::SupportResult result = check(plan);
-    bool held = result.passes();
+    bool held = passes(result, check);
     if (held && asks_groups(check)) {
       const stability::GroupSupport groups = check.groups(plan, result);
       held = holds(groups_left(groups), asked_);

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <limits>
 #include <optional>
@@ -155,6 +156,9 @@ SupportFigures count_support(const stability::SupportResult& support) {
     f.bolts_redundant += bolt.status == stability::BoltStatus::redundant ? 1U : 0U;
     f.bolts_too_short += bolt.status == stability::BoltStatus::too_short ? 1U : 0U;
   }
+  f.turning = support.turning.size();
+  f.turning_not_held =
+      static_cast<std::uint64_t>(std::ranges::count(support.turning, false, &stability::OnlyTurns::held));
   f.combined = support.combined.size();
   for (const stability::CombinedBlock& b : support.combined) f.combined_failing += b.passes ? 0U : 1U;
   return f;
@@ -212,22 +216,31 @@ Stress pressure_asked_at(const stability::SupportedBlock& block) { return pascal
 
 namespace {
 
-/// Key blocks of any batch that are not below their target in place: what stands before them keeps them.
-std::uint64_t count_behind(const stability::Analysis& analysis, const stability::SupportResult& support) {
+/// Key blocks of later batches that are not below their target in place: what stands before them keeps them. Not those
+/// that move with others, which their group says.
+std::uint64_t count_behind(const stability::Analysis& analysis, const stability::SupportResult& support,
+                           const std::optional<stability::GroupSupport>& groups) {
+  const auto of_a_group = [&](topology::BlockId id) {
+    return groups && std::ranges::any_of(groups->below.groups, [&](const stability::KeyGroup& group) {
+             return std::ranges::binary_search(group.blocks, id);
+           });
+  };
   std::uint64_t behind = 0;
   for (const stability::Batch& batch : analysis.batches) {
+    if (batch.number == 1) continue;
     for (const topology::BlockId id : batch.blocks) {
       const auto needy = std::ranges::lower_bound(support.blocks, id, {}, &stability::SupportedBlock::block);
-      behind += needy == support.blocks.end() || needy->block != id ? 1U : 0U;
+      behind += (needy == support.blocks.end() || needy->block != id) && !of_a_group(id) ? 1U : 0U;
     }
   }
   return behind;
 }
 
 SupportFigures count_support(const RunResult& result, const stability::Analysis& analysis,
-                             const stability::SupportResult& support) {
+                             const stability::SupportResult& support,
+                             const std::optional<stability::GroupSupport>& groups) {
   SupportFigures figures = scene::count_support(support);
-  figures.key_blocks_behind = count_behind(analysis, support);
+  figures.key_blocks_behind = count_behind(analysis, support, groups);
   std::vector<PressureAt> blocks;
   for (const stability::SupportedBlock& b : support.blocks) {
     for (const OpenPlace& place : pressed_places(result, result.complex->complex(), b)) {
@@ -264,11 +277,19 @@ std::optional<InAll> count_in_all(const RunResult& result, const stability::Anal
   return out;
 }
 
-/// Where most moves, of equal cases where the factor is lowest: smaller is worse.
-std::pair<double, double> how_bad(const KeyBlockFigures& figures, const std::optional<KeyGroupFigures>& groups) {
+/// What key blocks lack, one by one; what turns may lack nothing.
+double net_force_of(const stability::Analysis& analysis) {
+  double sum = 0;
+  for (const stability::Judgement& j : analysis.judgements) sum += j.key ? std::max(0.0, j.net.si()) : 0.0;
+  return sum;
+}
+
+/// Where most moves, of equal cases where the factor is lowest, then where most is lacking: smaller is worse.
+std::array<double, 3> how_bad(const KeyBlockFigures& figures, const std::optional<KeyGroupFigures>& groups,
+                              const stability::Analysis& analysis) {
   const double moves = groups && groups->in_all ? groups->in_all->volume.si() : figures.volume_m3;
   const double together = groups ? groups->least_factor : std::numeric_limits<double>::infinity();
-  return {-moves, std::min(figures.lowest_factor_of_safety, together)};
+  return {-moves, std::min(figures.lowest_factor_of_safety, together), -net_force_of(analysis)};
 }
 
 std::optional<KeyGroupFigures> base_groups(const RunResult& result) {
@@ -287,12 +308,13 @@ std::optional<Targets> target_under(const RunResult& result, std::string_view lo
   return found != result.stability->cases.end() && found->target ? found->target : result.stability->target;
 }
 
-std::optional<std::string> governing_case(const Figures& figures) {
+std::optional<std::string> governing_case(const Figures& figures, const RunResult& result) {
   if (figures.load_cases.empty() || !figures.key_blocks) return std::nullopt;
   std::string out = "base";
-  auto worst = how_bad(*figures.key_blocks, figures.groups);
-  for (const CaseFigures& load : figures.load_cases) {
-    const auto here = how_bad(load.figures, load.groups);
+  auto worst = how_bad(*figures.key_blocks, figures.groups, *result.analysis);
+  for (std::size_t k = 0; k < figures.load_cases.size(); ++k) {
+    const CaseFigures& load = figures.load_cases[k];
+    const auto here = how_bad(load.figures, load.groups, result.load_cases[k].analysis);
     if (here < worst) {
       worst = here;
       out = load.name;
@@ -351,9 +373,9 @@ Figures count(const RunResult& result) {
     row.groups = count_key_groups(*load.groups);
     row.groups->in_all = count_in_all(result, load.analysis, load.groups);
   }
-  figures.governing_case = governing_case(figures);
+  figures.governing_case = governing_case(figures, result);
   if (result.support) {
-    figures.support = count_support(result, *result.analysis, *result.support);
+    figures.support = count_support(result, *result.analysis, *result.support, result.group_support);
     figures.support->targets = target.value_or(Targets{});
   }
   const bool asked = result.stability && result.stability->groups != stability::GroupsCheck::off;
@@ -365,7 +387,7 @@ Figures count(const RunResult& result) {
   for (const CaseSupport& load : result.support_cases) {
     const auto under = std::ranges::find(result.load_cases, load.name, &CaseResult::name);
     const stability::Analysis& analysis = under != result.load_cases.end() ? under->analysis : *result.analysis;
-    figures.support_cases.push_back({load.name, count_support(result, analysis, load.support)});
+    figures.support_cases.push_back({load.name, count_support(result, analysis, load.support, load.groups)});
     figures.support_cases.back().figures.targets = target_under(result, load.name).value_or(Targets{});
     add_groups(figures.support_cases.back().figures, load.groups);
   }

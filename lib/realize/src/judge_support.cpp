@@ -113,6 +113,10 @@ std::vector<const stability::Analysis*> analyses_of(const std::vector<Case>& cas
 }  // namespace
 
 void judge_support_in_stages(const Scene& scene, Realization& made, bool with_groups, unsigned threads) {
+  // What only turns is asked of groups, in ensembles that count none, too.
+  const auto asks = [&](const stability::SupportResult& support) {
+    return with_groups || (!support.turning.empty() && scene.stability->groups != stability::GroupsCheck::off);
+  };
   for (StageResult& row : made.sequence->stages) {
     if (!row.complex || !*row.complex || !row.analysis) continue;
     const topology::AuditedComplex& complex = **row.complex;
@@ -130,37 +134,39 @@ void judge_support_in_stages(const Scene& scene, Realization& made, bool with_gr
     if (plan.spot) place_spot_bolts(plan, checks);
     for (std::size_t k = earlier; k < plan.placed.size(); ++k) plan.placed[k].after_stage = row.stage;
     made.spot_bolts_of_stages = plan.placed;
-    const stability::SupportResult installed = checks.front()(plan);
+    stability::SupportResult installed = checks.front()(plan);
     bool fails_under_load = false;
     for (std::size_t k = 0; k < row.cases.size(); ++k) {
-      const stability::SupportResult under_load = checks[k + 1](plan);
-      const SupportFigures found = count_support(under_load);
+      stability::SupportResult under_load = checks[k + 1](plan);
       StageCase& stage_case = row.cases[k];
-      stage_case.not_held = found.not_held;
-      stage_case.combined_failing = found.combined_failing;
-      if (with_groups) {
+      if (asks(under_load)) {
         const LoadCase& load = scene.stability->cases[k];
         const auto groups = check_groups(complex, settings_on(complex.complex(), scene, made, load.loads),
                                          plan_under(load, plan), under_load, together(scene, threads));
+        judge_turning(groups, under_load);
         stage_case.too_many = groups.too_many();
         if (!stage_case.too_many) stage_case.supported_groups = count_supported_groups(groups);
       }
+      const SupportFigures found = count_support(under_load);
+      stage_case.not_held = found.not_held + found.turning_not_held;
+      stage_case.combined_failing = found.combined_failing;
       fails_under_load = fails_under_load || stage_case.fails();
     }
-    const SupportFigures with = count_support(installed);
     std::optional<stability::GroupSupport> groups;
-    if (with_groups) groups = check_groups(complex, settings, plan, installed, together(scene, threads));
+    if (asks(installed)) groups = check_groups(complex, settings, plan, installed, together(scene, threads));
+    if (groups) judge_turning(*groups, installed);
+    const SupportFigures with = count_support(installed);
     const bool too_many = groups && groups->too_many();
     std::erase_if(plan.bolts, later(row.stage));
     std::erase_if(plan.placed, later(row.stage));
     plan.shotcrete.reset();
     const SupportFigures before = count_support(check_support(complex, settings, *row.analysis, plan));
-    row.support = StageSupport{.blocks = with.blocks,
+    row.support = StageSupport{.blocks = with.blocks + with.turning,
                                .bolts_before = before.bolts,
                                .not_held_before = before.not_held,
                                .bolts = with.bolts,
                                .spot_bolts = made.spot_bolts_of_stages.size() - earlier,
-                               .not_held = with.not_held,
+                               .not_held = with.not_held + with.turning_not_held,
                                .combined_failing = with.combined_failing,
                                .too_many = too_many};
     if (groups && !too_many) row.support->groups = count_supported_groups(*groups);

@@ -95,6 +95,7 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
                                       .orders = orders_of(scene).size(),
                                       .lifts = scene.stability && scene.stability->loads.lifts(),
                                       .strengths_per_geometry = strengths_per_geometry(scene)};
+  options.turning = scene.stability && scene.stability->rotation != stability::RotationCheck::off;
   if (!questions.axis.empty()) options.tunnel_length_m = stochastic::length_of(questions.axis);
   for (const auto& [name, p] : Percentiles::levels) options.size_levels.push_back(p);
   if (scene.stability) {
@@ -181,6 +182,12 @@ stochastic::Supported tally_support(const Scene& scene, const topology::BlockCom
     // A block that no force holds at its target has an infinite lack: counted, not added.
     if (std::isfinite(block.missing_force)) sum.missing_n += block.missing_force;
   }
+  for (const stability::OnlyTurns& turning : support.turning) {
+    ++sum.needing;
+    if (turning.held) continue;
+    ++sum.not_held;
+    sum.not_held_m3 += complex.blocks()[turning.block].volume.si();
+  }
   for (const stability::CombinedBlock& body : support.combined) sum.failing_bodies += body.passes ? 0U : 1U;
   if (questions.groups) sum.groups = supported_together(together);
   return sum;
@@ -229,6 +236,7 @@ std::vector<stochastic::CaseTally> tally_cases(const Realization& made, const Sc
       tally.border = {.count = held->blocks.size(), .volume = held->volume};
     }
     tally.tapered = tally_tapered(load.tapered, load.groups, questions);
+    tally.turning = stochastic::count_turning(load.analysis);
     tally.at_parts = tally_parts(scene, complex, load.analysis);
     if (questions.groups && load.groups) tally.groups = tally_groups(*load.groups);
     if (k >= made.support_cases.size()) continue;
@@ -294,6 +302,7 @@ Record record_of(std::uint64_t k, const Realization& made, const Scene& scene, c
   if (made.support) record.support = tally_support(scene, complex, *made.support, made.group_support, questions);
   if (made.analysis) record.at_parts = tally_parts(scene, complex, *made.analysis);
   if (questions.groups && made.key_groups) record.groups = tally_groups(*made.key_groups);
+  if (made.analysis) record.turning = stochastic::count_turning(*made.analysis);
   if (made.analysis) record.tapered = tally_tapered(made.tapered, made.key_groups, questions);
   record.cases = tally_cases(made, scene, questions);
   if (made.flow) record.flow = tally_flow(*made.flow);

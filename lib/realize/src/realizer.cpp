@@ -149,9 +149,8 @@ Realizer::Done Realizer::cut_near_free_faces() {
     return made_.key_groups->edge;
   };
   made_.key_groups.reset();
-  auto near =
-      stability::analyse_near_field(made_.input, of_detail(settings_of(*scene_, made_)), {.threads = options_.threads},
-                                    *timer_, {.depth = longest_bolt(*scene_), .undecided = cases_and_support});
+  auto near = stability::analyse_near_field(made_.input, settings_of(*scene_, made_), {.threads = options_.threads},
+                                            *timer_, {.depth = longest_bolt(*scene_), .undecided = cases_and_support});
   if (!near) {
     if (auto* error = std::get_if<topology::CutError>(&near.error())) {
       return std::unexpected(std::vector{problem_of(*error, *scene_, made_)});
@@ -176,19 +175,22 @@ Realizer::Done Realizer::cut_near_free_faces() {
   return {};
 }
 
-stability::Settings Realizer::of_detail(stability::Settings settings) const {
-  if (detail_ == Detail::counted && settings.rotation == stability::RotationCheck::flag) {
-    settings.rotation = stability::RotationCheck::off;
-  }
-  return settings;
-}
-
 stability::Settings Realizer::settings(const topology::BlockComplex& complex) const {
-  return of_detail(settings_on(complex, *scene_, made_, scene_->stability->loads));
+  return settings_on(complex, *scene_, made_, scene_->stability->loads);
 }
 
 stability::Analysis Realizer::analyse(const topology::AuditedComplex& complex) const {
   return stability::analyse(complex, settings(complex.complex()));
+}
+
+/// Of the state of one stage: where blocks judged together decide, they leave there, too.
+stability::Analysis Realizer::analyse_stage(const topology::AuditedComplex& complex) const {
+  stability::Analysis analysis = analyse(complex);
+  if (!scene_->stability->decides_by_groups()) return analysis;
+  const stability::Settings with = settings(complex.complex());
+  const stability::KeyGroups groups = stability::find_key_groups(complex, with, together(*scene_, options_.threads));
+  stability::decide_by_groups(complex, with, groups, analysis);
+  return analysis;
 }
 
 Realizer::Done Realizer::judge() {
@@ -197,7 +199,7 @@ Realizer::Done Realizer::judge() {
     forget_cases_and_support(made_);
     if (in_stages_ && final_state_) {
       made_.sequence =
-          judge_stages(*scene_, *in_stages_, *final_state_, [&](const auto& state) { return analyse(state); });
+          judge_stages(*scene_, *in_stages_, *final_state_, [&](const auto& state) { return analyse_stage(state); });
       if (detail_ == Detail::shown || scene_->support) judge_cases_in_stages(*scene_, made_);
       if (scene_->support) judge_support_in_stages(*scene_, made_, judges_groups(), options_.threads);
     }
@@ -293,7 +295,7 @@ void Realizer::judge_load_cases() {
   for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
     CaseResult& load = made_.load_cases[k];
     const stability::Settings pushed =
-        of_detail(settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads));
+        settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads);
     load.held_alone = stability::domain_held(complex, pushed, load.analysis);
     load.domain_held = with_groups(*load.held_alone, pushed, load.analysis, load.groups);
     load.tapered = stability::held_by_taper(complex, pushed, load.analysis);
@@ -304,8 +306,7 @@ void Realizer::judge_groups_of_cases() {
   const topology::AuditedComplex& complex = *made_.complex;
   for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
     CaseResult& load = made_.load_cases[k];
-    const stability::Settings with =
-        of_detail(settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads));
+    const stability::Settings with = settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads);
     load.groups = stability::find_key_groups(complex, with, together(*scene_, options_.threads));
     if (scene_->stability->decides_by_groups()) stability::decide_by_groups(complex, with, *load.groups, load.analysis);
     add_moving_group_notes(*load.groups, load.analysis, "load case " + load.name + ": ", notes_);
@@ -329,13 +330,14 @@ void Realizer::held_by_micro_blocks() {
   };
   const topology::AuditedComplex& complex = *made_.complex;
   const auto crumbs = crumbs_of(complex.complex());
+  const stability::Together most = together(*scene_, options_.threads);
   made_.held_by_crumbs =
-      held_by_crumbs(complex, settings(complex.complex()), *made_.analysis, made_.key_groups, crumbs);
+      held_by_crumbs(complex, settings(complex.complex()), *made_.analysis, made_.key_groups, crumbs, most);
   for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
     const CaseResult& load = made_.load_cases[k];
     const stability::Settings pushed =
         settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads);
-    add_crumb_notes(held_by_crumbs(complex, pushed, load.analysis, load.groups, crumbs), made_.held_by_crumbs,
+    add_crumb_notes(held_by_crumbs(complex, pushed, load.analysis, load.groups, crumbs, most), made_.held_by_crumbs,
                     "load case " + load.name + ": ", notes_);
   }
   if (!made_.sequence) return;
@@ -343,7 +345,7 @@ void Realizer::held_by_micro_blocks() {
     if (!row.complex || !*row.complex || !row.analysis) continue;
     const topology::AuditedComplex& stage = **row.complex;
     add_crumb_notes(
-        held_by_crumbs(stage, settings(stage.complex()), *row.analysis, row.groups, crumbs_of(stage.complex())),
+        held_by_crumbs(stage, settings(stage.complex()), *row.analysis, row.groups, crumbs_of(stage.complex()), most),
         made_.held_by_crumbs, "after stage " + std::to_string(row.stage) + ": ", notes_);
   }
 }
@@ -375,8 +377,14 @@ void Realizer::judge_groups_of_stages() {
     for (std::size_t k = 0; k < row.cases.size(); ++k) {
       StageCase& under = row.cases[k];
       under.groups = stability::find_key_groups(
-          complex, of_detail(settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads)),
+          complex, settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads),
           together(*scene_, options_.threads));
+      if (scene_->stability->decides_by_groups()) {
+        const stability::Settings with =
+            settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads);
+        stability::decide_by_groups(complex, with, *under.groups, under.analysis);
+        under.key_blocks = count_key_blocks(under.analysis);
+      }
       add_moving_group_notes(*under.groups, under.analysis, after + ", load case " + under.name + ": ", notes_);
     }
   }
@@ -394,23 +402,30 @@ void Realizer::support() {
 void Realizer::support_of_groups() {
   made_.group_support.reset();
   for (CaseSupport& load : made_.support_cases) load.groups.reset();
-  if (!made_.key_groups || made_.key_groups->too_many) return;
   const topology::BlockComplex& complex = made_.complex->complex();
+  if (!made_.key_groups && asks_what_turns()) find_groups(*made_.complex);
+  if (!made_.key_groups || made_.key_groups->too_many) return;
   made_.group_support = groups_with_support(settings(complex), scene_->support->plan, *made_.support, "", 0);
-  if (made_.group_support) mark_bolts_of_groups(*made_.group_support, *made_.support);
   for (std::size_t k = 0; k < made_.support_cases.size(); ++k) {
     CaseSupport& load = made_.support_cases[k];
     const LoadCase& stated = scene_->stability->cases[k];
-    load.groups = groups_with_support(of_detail(settings_on(complex, *scene_, made_, stated.loads)),
+    load.groups = groups_with_support(settings_on(complex, *scene_, made_, stated.loads),
                                       plan_under(stated, scene_->support->plan), load.support,
                                       "load case " + load.name + ": ", k + 1);
-    if (load.groups) mark_bolts_of_groups(*load.groups, load.support);
   }
+}
+
+/// An ensemble that counts no groups: what only turns is asked as the replay of the realization asks it.
+bool Realizer::asks_what_turns() const {
+  if (scene_->stability->groups == stability::GroupsCheck::off) return false;
+  return !made_.support->turning.empty() || std::ranges::any_of(made_.support_cases, [](const CaseSupport& load) {
+    return !load.support.turning.empty();
+  });
 }
 
 std::optional<stability::GroupSupport> Realizer::groups_with_support(const stability::Settings& settings,
                                                                      const stability::SupportPlan& plan,
-                                                                     const stability::SupportResult& support,
+                                                                     stability::SupportResult& support,
                                                                      std::string_view where, std::size_t number) {
   const stability::Together most = together(*scene_, options_.threads);
   assembly::UntiedSets untied;
@@ -418,9 +433,13 @@ std::optional<stability::GroupSupport> Realizer::groups_with_support(const stabi
       number < below_target_.size()
           ? check_groups(*made_.complex, settings, plan, support, below_target_[number], untied, most)
           : check_groups(*made_.complex, settings, plan, support, most);
-  if (!found.too_many()) return found;
-  notes_.push_back(too_many_with_support(where));
-  return std::nullopt;
+  if (found.too_many()) {
+    notes_.push_back(too_many_with_support(where));
+    return std::nullopt;
+  }
+  mark_bolts_of_groups(found, support);
+  judge_turning(found, support);
+  return found;
 }
 
 Realizer::Done Realizer::move() {

@@ -62,15 +62,16 @@ class Realizer final {
   /// near free faces.
   [[nodiscard]] std::optional<stability::GroupSupport> groups_with_support(const stability::Settings& settings,
                                                                            const stability::SupportPlan& plan,
-                                                                           const stability::SupportResult& support,
+                                                                           stability::SupportResult& support,
                                                                            std::string_view where, std::size_t number);
   [[nodiscard]] Done clamp();
   [[nodiscard]] Done move();
   [[nodiscard]] Done send_water();
   [[nodiscard]] stability::Settings settings(const topology::BlockComplex& complex) const;
   /// Nothing is asked of ensembles that is only flagged.
-  [[nodiscard]] stability::Settings of_detail(stability::Settings settings) const;
+  [[nodiscard]] bool asks_what_turns() const;
   [[nodiscard]] stability::Analysis analyse(const topology::AuditedComplex& complex) const;
+  [[nodiscard]] stability::Analysis analyse_stage(const topology::AuditedComplex& complex) const;
   template <class Work>
   decltype(auto) booked(Step which, Work&& work) {
     progress_->begin(name_of(which));

@@ -8,6 +8,7 @@
 #include "crumbs.hpp"
 #include "cut_notes.hpp"
 #include "group_notes.hpp"
+#include "judge.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -63,7 +64,8 @@ void add_rotation_note(const stability::Analysis& analysis, std::vector<std::str
                               turning == 1 ? "block" : "blocks", turning == 1 ? "it" : "they", first,
                               turning > 10 ? ", ..." : "",
                               analysis.rotation == stability::RotationCheck::decide
-                                  ? "; counted as key blocks"
+                                  ? "; counted as key blocks, with factors and net forces that are those of "
+                                    "translation: above 1, and below 0"
                                   : "; counted as key blocks only with rotation = \"decide\""));
 }
 
@@ -226,6 +228,14 @@ Force net_force_of(const stability::Analysis& analysis) {
   return sum;
 }
 
+/// Whether the same blocks move together, or are in doubt, at the same factor.
+bool same_groups(const std::optional<stability::KeyGroups>& a, const std::optional<stability::KeyGroups>& b) {
+  if (!a || !b) return true;
+  return std::ranges::equal(a->groups, b->groups, [](const stability::KeyGroup& x, const stability::KeyGroup& y) {
+    return x.blocks == y.blocks && x.verdict == y.verdict && x.factor_move == y.factor_move;
+  });
+}
+
 /// Cases that change nothing, and earthquakes that push the rock where it is held: what a wrong sign, or a depth in
 /// place of a level, looks like.
 void add_case_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
@@ -238,7 +248,8 @@ void add_case_notes(const Scene& scene, const Realization& made, std::vector<std
     const CaseResult& load = made.load_cases[k];
     const LoadCase& stated = scene.stability->cases[k];
     const LoadSet& own = stated.loads;
-    if (!base.judgements.empty() && std::ranges::equal(load.analysis.judgements, base.judgements, same)) {
+    if (!base.judgements.empty() && std::ranges::equal(load.analysis.judgements, base.judgements, same) &&
+        same_groups(load.groups, made.key_groups)) {
       const auto& water = own.actions.spec().water;
       const bool wet = water && (!loads.actions.spec().water || loads.actions.spec().water->level != water->level);
       if (stated.target && !wet) continue;  // it may be there for its targets
@@ -283,6 +294,70 @@ void add_anchor_note(const stability::SupportResult& support, std::vector<std::s
       "bolts go through {} {} that only a side of the domain holds ({}{}): they count as rock that stays, so that what "
       "is bolted to them alone may move with them; enlarge the domain",
       count, count == 1 ? "block" : "blocks", support.held_by_border.front().value(), count > 1 ? ", ..." : ""));
+}
+
+/// Shotcrete that is held at what only a side of the domain holds.
+void add_sprayed_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
+  if (support.sprayed_at_border.empty()) return;
+  const std::size_t count = support.sprayed_at_border.size();
+  notes.push_back(fmt::format(
+      "shotcrete at the edges of blocks is held at {} {} that only a side of the domain holds ({}{}): they count as "
+      "rock that stays, so that what hangs on that layer may move with them; enlarge the domain",
+      count, count == 1 ? "block" : "blocks", support.sprayed_at_border.front().value(), count > 1 ? ", ..." : ""));
+}
+
+/// Earthquakes and surcharges of the base case that a wrong sign turns into what holds the rock.
+void add_sign_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
+  if (made.window) return;
+  const topology::AuditedComplex& complex = *made.complex;
+  const LoadSet& loads = scene.stability->loads;
+  if (loads.body.seismic() != geometry::Vec3{}) {
+    stability::Settings calm = settings_on(complex.complex(), scene, made, loads);
+    calm.loads = calm.loads.with_seismic_times(0);
+    calm.rotation = stability::RotationCheck::off;
+    const double before = count_key_blocks(stability::analyse(complex, calm)).lowest_factor_of_safety;
+    const double after = count_key_blocks(*made.analysis).lowest_factor_of_safety;
+    if (after > before * (1 + 1e-9)) {
+      notes.push_back(
+          fmt::format("with the earthquake of [stability] the lowest factor of safety is {:.4g}, more than {:.4g} "
+                      "without it: `seismic` is the direction in which the rock is pushed; check its sign",
+                      after, before));
+    }
+  }
+  const auto look = [&](const LoadSet& own, std::size_t known, const std::string& where) {
+    for (const std::size_t i : stability::pulling_surcharges(complex.complex(), own.actions)) {
+      // What a case takes over from the base case comes first in its lists and was said there.
+      if (i < known) continue;
+      notes.push_back(fmt::format(
+          "{}surcharge[{}] pulls at the faces it acts on: `traction` is the force on the rock, z upward, and "
+          "a weight on level ground has a negative z; check its sign",
+          where, i + 1));
+    }
+  };
+  look(loads, 0, "");
+  for (const LoadCase& load : scene.stability->cases) {
+    look(load.loads, loads.actions.spec().surcharges.size(), "load case " + load.name + ": ");
+  }
+}
+
+/// Key blocks that only turn and that nothing was asked to hold. `where`: the load case, before the note.
+void add_turning_note(const stability::SupportResult& support, const std::optional<stability::GroupSupport>& groups,
+                      std::string_view where, std::vector<std::string>& notes) {
+  std::size_t unasked = 0;
+  for (const stability::OnlyTurns& turning : support.turning) {
+    const bool asked = groups && !groups->below.without_moments && !groups->left.without_moments &&
+                       std::ranges::any_of(groups->below.groups, [&](const stability::KeyGroup& group) {
+                         return std::ranges::binary_search(group.blocks, turning.block);
+                       });
+    unasked += turning.held || asked ? 0U : 1U;
+  }
+  if (unasked == 0) return;
+  const bool one = unasked == 1;
+  notes.push_back(
+      fmt::format("{}{} that only turn{} {} with the support in translation alone, in which {} at rest: whether it "
+                  "holds {} is not known, and it does not pass; groups = \"decide\" judges moments too",
+                  where, one ? "1 key block" : fmt::format("{} key blocks", unasked), one ? "s" : "",
+                  one ? "was judged" : "were judged", one ? "it is" : "they are", one ? "it" : "them"));
 }
 
 /// Bolts that grip where nothing is known of the rock.
@@ -405,6 +480,22 @@ void add_held_notes(const Realization& made, std::vector<std::string>& notes) {
 }
 }  // namespace
 
+namespace {
+/// What bolts and shotcrete hold on to, and what they were not asked to hold.
+void add_support_notes(const Realization& made, std::vector<std::string>& notes) {
+  if (!made.support) return;
+  add_anchor_note(*made.support, notes);
+  add_sprayed_note(*made.support, notes);
+  add_turning_note(*made.support, made.group_support, "", notes);
+  for (const CaseSupport& load : made.support_cases) {
+    add_turning_note(load.support, load.groups, fmt::format("load case {}: ", load.name), notes);
+  }
+  add_outside_note(*made.support, notes);
+  // Beyond what was cut on demand rock is not known.
+  if (!made.window) add_off_note(*made.support, notes);
+}
+}  // namespace
+
 std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   const std::optional<stability::Analysis>& analysis = made.analysis;
   const std::optional<FieldStressResult>& clamped = made.field_stress;
@@ -436,11 +527,9 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   if (analysis) add_rotation_note(*analysis, notes);
   add_held_notes(made, notes);
   if (analysis && made.complex) add_lifted_notes(scene, made, notes);
+  if (analysis && made.complex) add_sign_notes(scene, made, notes);
   if (analysis && made.complex) add_case_notes(scene, made, notes);
-  if (made.support) add_anchor_note(*made.support, notes);
-  if (made.support) add_outside_note(*made.support, notes);
-  // Beyond what was cut on demand rock is not known.
-  if (made.support && !made.window) add_off_note(*made.support, notes);
+  add_support_notes(made, notes);
   if (made.support && scene.stability->groups == stability::GroupsCheck::off) {
     notes.emplace_back(
         "support: with groups = \"off\" it was not asked whether it holds blocks that move together, nor whether a "

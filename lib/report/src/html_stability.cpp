@@ -124,7 +124,7 @@ std::string designs_table(const std::vector<scene::DesignResult>& designs) {
 std::string support_verdict(const scene::SupportFigures& support, const std::vector<scene::SupportCaseFigures>& cases) {
   using enum scene::GroupsJudged;
   if (!support.passes()) {
-    return support.block_by_block && support.groups_judged == too_many
+    return support.block_by_block && support.turning_not_held == 0 && support.groups_judged == too_many
                ? "Every block reaches its target by itself; <b>groups of blocks were not judged</b>, too many blocks "
                  "lie "
                  "near free faces."
@@ -162,6 +162,10 @@ std::string support_section(const Page& page) {
   if (page.result.tunnel_length) {
     out += " Required force: " + display(f.required_force_n / page.result.tunnel_length->si() / 1000, 3) +
            " kN per metre of tunnel, for blocks by themselves.";
+  }
+  if (f.turning > 0) {
+    out += " " + display_count(f.turning) + " more only turn, " + display_count(f.turning_not_held) +
+           " of these not held, or not judged with moments.";
   }
   if (f.groups && f.groups->count > 0) {
     out += " <b>" + display_count(f.groups->count) +

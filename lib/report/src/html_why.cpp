@@ -105,9 +105,11 @@ std::string vector_text(Vec3 v) {
   return "(" + display(v.x, 3) + ", " + display(v.y, 3) + ", " + display(v.z, 3) + ")";
 }
 
-/// Neither falls, slides nor turns by itself.
+/// Neither falls, slides nor turns by itself: where it would slide, the factor is below that of its own resistance.
 bool moves_only_in_group(const stability::Judgement& j) {
-  return j.key && !stability::moves(j.mode) && !(j.rotation && j.rotation->turns);
+  if (!j.key || (j.rotation && j.rotation->turns)) return false;
+  const bool of_group = j.resistance >= j.driving && j.factor_of_safety * j.driving < (1 - 1e-9) * j.resistance;
+  return !stability::moves(j.mode) || of_group;
 }
 
 std::string sentence_of_group(const Page& page, const stability::Judgement& j) {

@@ -73,6 +73,9 @@ std::vector<KeyGroupRow> rows_of(const scene::RunResult& result, const topology:
   for (const scene::CaseResult& load : result.load_cases) add(load.groups, load.name, {});
   if (result.sequence) {
     for (const scene::StageResult& stage : result.sequence->stages) {
+      // The same blocks as when all is excavated, unless some fell before.
+      const bool last = &stage == &result.sequence->stages.back();
+      if (last && !stage.block_hash.empty() && stage.block_hash == result.block_hash) continue;
       add(stage.groups, {}, stage.stage);
       for (const scene::StageCase& under : stage.cases) add(under.groups, under.name, stage.stage);
     }

@@ -34,6 +34,28 @@ void add_lifted_notes(const scene::Scene& scene, stochastic::Figures& figures) {
   }
 }
 
+/// Of blocks that turn in some realization. `where`: the load case, before the note.
+void add_turning_note(const std::vector<stochastic::Estimate>& estimates, bool decides, std::string_view where,
+                      std::vector<std::string>& notes) {
+  const auto turning = std::ranges::find(estimates, "probability_of_turning", &stochastic::Estimate::name);
+  if (turning == estimates.end() || !(turning->mean > 0)) return;
+  notes.push_back(
+      fmt::format("{}in {:.3g} % of the realizations blocks turn or topple though they cannot slide: {}", where,
+                  100 * turning->mean,
+                  decides ? "they are key blocks, but factors and forces are those of translation, which are not "
+                            "below 1, and 0, for them"
+                          : "they count as key blocks only with rotation = \"decide\""));
+}
+
+void add_turning_notes(const scene::Scene& scene, stochastic::Figures& figures) {
+  if (!scene.stability) return;
+  const bool decides = scene.stability->rotation == stability::RotationCheck::decide;
+  add_turning_note(figures.estimates, decides, "", figures.notes);
+  for (const stochastic::CaseEstimates& under : figures.cases) {
+    add_turning_note(under.estimates, decides, fmt::format("load case {}: ", under.name), figures.notes);
+  }
+}
+
 void add_flow_notes(const scene::Scene& scene, stochastic::Figures& figures) {
   if (!scene.flow) return;
   if (scene.flow->flows()) {
@@ -111,6 +133,7 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
         estimate.mean));
   }
   add_lifted_notes(scene, page.result.figures);
+  add_turning_notes(scene, page.result.figures);
   add_flow_notes(scene, page.result.figures);
   std::ranges::move(notes_on_lines(scene), std::back_inserter(page.result.figures.notes));
   std::ranges::copy(page.result.figures.notes, std::back_inserter(page.notes));

@@ -81,20 +81,24 @@ template <class V>
 void supported_fields(V& v, const stability::Judgement& j, const stability::SupportedBlock* b,
                       std::optional<std::string_view> group) {
   // Of a later batch: it stays when the first one is held. Otherwise it needs nothing by itself.
+  const bool turns = b == nullptr && !group && j.batch && *j.batch == 1 && j.rotation && j.rotation->turns;
   const std::string_view held = b != nullptr              ? name(b->held)
                                 : group                   ? "see its group"
+                                : turns                   ? "not judged"
                                 : j.batch && *j.batch > 1 ? "held by earlier batches"
                                                           : "none needed";
   const std::optional<double> factor = b == nullptr ? std::optional{j.factor_of_safety} : b->factor_with_support;
   const stability::SupportedBlock none{.block = topology::BlockId{0U}};
   const stability::SupportedBlock& s = b != nullptr ? *b : none;
-  v("held_by_supported", held, "`[support]`: what holds the block by itself");
+  v("held_by_supported", held,
+    "`[support]`: what holds the block by itself; `not judged`: a key block that only turns, of which translation says "
+    "nothing");
   v("group_supported", group,
     "its group of blocks, where that is below its target: `held`, `not_held` or `in_doubt`; empty: in none, or groups "
     "were not judged");
   v("bolts_supported", s.bolts, "how many bolts");
   v("mobilised_share_supported", s.mobilised, "share of their capacity that the target takes; empty where none does");
-  v("factor_of_safety_supported", when(b != nullptr || !group, factor),
+  v("factor_of_safety_supported", when(b != nullptr || (!group && !turns), factor),
     "with all support: at the target exactly where the block is held");
   v("missing_force_n_supported", s.missing_force, "what the block lacks to its target");
   v("required_force_n_supported", s.required_force, "least single force that gives the target");
@@ -377,7 +381,8 @@ void fields(V& v, const KeyGroupRow& x) {
   motion_fields(v, x.g);
   v("load_case", x.load_case, "name of the `[[load]]` it moves in; empty: the base case");
   v("stage", x.stage,
-    "after which stage it moves, with the block numbers of `blocks_stage_N.vtu`; empty: after the last");
+    "after which stage it moves, with the block numbers of `blocks_stage_N.vtu`; empty: after the last, which is "
+    "listed as a stage only where blocks fell before");
   v("let_go", x.let_go ? scene::name_of(*x.let_go) : std::string_view{},
     "of a group in doubt in the base case: what rigid blocks in motion do that start from rest, in 0.2 s: "
     "`stayed`, `moved`, `stopped` (the contact law could not be solved) or `not_tried`");

@@ -88,6 +88,11 @@ void TableReader::report_unknown() const {
                        "give dip_direction = strike + 90 (right-hand rule: the plane dips to the right of its strike)");
       continue;
     }
+    if (entry.key == "radius" && std::ranges::find(known, "size") != known.end()) {
+      problems_->error(entry.line, path_of(entry.key), "unknown key",
+                       "give size = 2 radius: the size of a disc is its diameter");
+      continue;
+    }
     const auto guess = nearest(entry.key, known);
     problems_->error(
         entry.line, path_of(entry.key), "unknown key",

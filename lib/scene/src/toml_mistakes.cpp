@@ -24,6 +24,12 @@ string_view line_of(string_view text, std::uint32_t line) {
 bool digits(string_view text) { return !text.empty() && text.find_first_not_of("0123456789") == string_view::npos; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
+/// True for "true".
+bool same_letters(string_view word, string_view small) {
+  return std::ranges::equal(word, small,
+                            [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
+}
+
 /// 45,5 as the whole value.
 bool decimal_comma(string_view value) {
   value = trimmed(value.substr(0, value.find('#')));
@@ -53,6 +59,117 @@ bool bare_word(string_view value) {
   if (value.empty() || !is_letter(value.front())) return false;
   const string_view word = value.substr(0, value.find_first_of(" \t\r#"));
   return word != "true" && word != "false" && word != "inf" && word != "nan";
+}
+
+/// The line without what stands in quotes and without its comment.
+std::string bare(string_view line) {
+  std::string out;
+  char quote = 0;
+  for (const char c : line) {
+    if (quote == 0 && c == '#') break;
+    if (quote == 0 && (c == '"' || c == '\''))
+      quote = c;
+    else if (c == quote)
+      quote = 0;
+    out += quote != 0 ? '"' : c;
+  }
+  return out;
+}
+
+/// 2,700: may be one number of thousands.
+std::optional<std::string> thousands(string_view value) {
+  value = trimmed(value.substr(0, value.find('#')));
+  const std::size_t comma = value.find(',');
+  if (comma == string_view::npos || comma == 0 || comma > 3 || value.front() == '0') return std::nullopt;
+  const string_view before = value.substr(0, comma), behind = value.substr(comma + 1);
+  if (!digits(before) || !digits(behind) || behind.size() != 3) return std::nullopt;
+  return std::string{before} + std::string{behind};
+}
+
+Mistake decimal_comma_of(string_view value) {
+  if (const auto whole = thousands(value)) {
+    return {"the number has a comma",
+            "write " + *whole + " where thousands are meant, a point where the comma is a decimal one"};
+  }
+  return {"the number has a decimal comma", "write a point"};
+}
+
+/// What is wrong with a value that begins like a number.
+std::optional<Mistake> wrong_number(string_view value) {
+  string_view number = trimmed(value.substr(0, value.find_first_of(",]};")));
+  if (number.empty()) return std::nullopt;
+  const std::string written{number};
+  const bool sign = number.front() == '-' || number.front() == '+';
+  const std::string before = sign ? written.substr(0, 1) : std::string{};
+  if (sign) number.remove_prefix(1);
+  const std::size_t end = std::min(number.find_first_not_of("0123456789."), number.size());
+  const string_view figures = number.substr(0, end), rest = trimmed(number.substr(end));
+  if (figures.empty() || figures == "." || std::ranges::count(figures, '.') > 1) return std::nullopt;
+  const bool exponent = rest.size() > 1 && (rest.front() == 'e' || rest.front() == 'E') && !is_letter(rest[1]);
+  const bool unit =
+      !rest.empty() && !exponent && (is_letter(rest.front()) || rest.front() == '%' || rest.starts_with("\u00b0"));
+  if (unit && figures != "0") {
+    return Mistake{"a number with its unit stands in quotes", "write \"" + written.substr(0, 40) + "\""};
+  }
+  if (!rest.empty() && !exponent) return std::nullopt;
+  if (figures.starts_with('.')) {
+    return Mistake{"a number begins with a digit", "write " + before + "0" + std::string{number}};
+  }
+  if (figures.ends_with('.')) {
+    return Mistake{"a point stands between digits", "write " + before + std::string{figures} + "0" + std::string{rest}};
+  }
+  if (figures.size() > 1 && figures.front() == '0' && figures[1] != '.') {
+    const std::size_t first = figures.find_first_not_of('0');
+    const string_view shown = first == string_view::npos ? figures.substr(0, 1)
+                              : figures[first] == '.'    ? figures.substr(first - 1)
+                                                         : figures.substr(first);
+    return Mistake{"a number begins with no 0 before other digits", "write " + before + std::string{shown}};
+  }
+  return std::nullopt;
+}
+
+/// The first of the values of a line, those of inline tables and lists too, that is no number as one is written.
+std::optional<Mistake> wrong_number_in(string_view line) {
+  for (std::size_t at = line.find_first_of("=[,"); at != string_view::npos; at = line.find_first_of("=[,", at + 1)) {
+    if (auto mistake = wrong_number(trimmed(line.substr(at + 1)))) return mistake;
+  }
+  return std::nullopt;
+}
+
+/// Signs that other languages have where TOML has another one.
+std::optional<Mistake> foreign_sign(string_view line) {
+  const std::string own = bare(line);
+  const string_view text = trimmed(own);
+  if (text.contains("//") || text.starts_with(';')) {
+    return Mistake{
+        text.starts_with(';') ? "a comment begins with #, not with ;" : "a comment begins with #, not with //",
+        "write #"};
+  }
+  if (text.ends_with(';')) return Mistake{"a line has no semicolon at its end", "leave it out"};
+  const std::size_t colon = text.find(':'), equals = text.find('=');
+  const auto part_of_key = [](char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-'; };
+  if (equals == string_view::npos && colon != string_view::npos && colon > 0 &&
+      std::ranges::all_of(trimmed(text.substr(0, colon)), part_of_key)) {
+    return Mistake{"a key and its value are joined by =, not by a colon",
+                   "write " + std::string{trimmed(text.substr(0, colon))} + " = ..."};
+  }
+  if (equals != string_view::npos && text.contains('{') && text.find(':', equals) != string_view::npos) {
+    return Mistake{"a key and its value are joined by =, not by a colon", "write ="};
+  }
+  return std::nullopt;
+}
+
+/// An inline table that goes on in the next line: this line or the one before opens it.
+std::optional<Mistake> table_over_lines(string_view text, std::uint32_t number) {
+  for (const std::uint32_t at : {number, number - 1}) {
+    if (at == 0) continue;
+    const std::string line = bare(line_of(text, at));
+    if (line.find('=') == std::string::npos) continue;
+    if (std::ranges::count(line, '{') <= std::ranges::count(line, '}')) continue;
+    return Mistake{"a table between { and } ends on the line on which it begins",
+                   "write it on one line, or as a [table] of its own with one key a line"};
+  }
+  return std::nullopt;
 }
 
 /// A backslash between double quotes.
@@ -134,18 +251,21 @@ std::optional<Mistake> likely_mistake(string_view text, std::uint32_t number) {
     return Mistake{"the quotes are those of a word processor", "write straight ones (\")"};
   }
   if (auto twice = table_twice(text, number)) return twice;
+  if (auto sign = foreign_sign(line)) return sign;
   const std::size_t equals = line.find('=');
-  if (equals == string_view::npos) return std::nullopt;
+  if (equals == string_view::npos) return table_over_lines(text, number);
   const string_view value = trimmed(line.substr(equals + 1));
-  if (decimal_comma(value) || inner_decimal_comma(line)) {
-    return Mistake{"the number has a decimal comma", "write a point"};
-  }
+  if (decimal_comma(value) || inner_decimal_comma(line)) return decimal_comma_of(value);
   if (backslash_in_quotes(value)) return backslash();
+  if (auto wrong = wrong_number_in(bare(line))) return wrong;
   if (bare_word(value)) {
-    const string_view word = value.substr(0, std::min(value.find_first_of(" \t\r#"), std::size_t{40}));
+    const string_view word = value.substr(0, std::min(value.find_first_of(" \t\r#,}]"), std::size_t{40}));
+    for (const string_view truth : {"true", "false"}) {
+      if (same_letters(word, truth)) return Mistake{"true and false are written small", "write " + std::string{truth}};
+    }
     return Mistake{"text stands in quotes", "write \"" + std::string{word} + "\""};
   }
-  return std::nullopt;
+  return table_over_lines(text, number);
 }
 
 }  // namespace cleave::scene

@@ -2,6 +2,8 @@
 #include <charconv>
 #include <cmath>
 #include <memory>
+#include <string>
+#include <utility>
 
 #include "unit_text.hpp"
 
@@ -16,6 +18,17 @@ const UnitKind* kind_of(const NumberRule& rule) {
   return unit.starts_with(' ') ? units_of(unit.substr(1)) : nullptr;
 }
 
+/// kg/m3 of kg/m³.
+std::string without_superscripts(string_view symbol) {
+  std::string out{symbol};
+  for (const auto& [raised, plain] : {std::pair{string_view{"\u00b2"}, '2'}, {string_view{"\u00b3"}, '3'}}) {
+    for (std::size_t at = out.find(raised); at != std::string::npos; at = out.find(raised)) {
+      out.replace(at, raised.size(), 1, plain);
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 std::optional<UnitText> unit_text(string_view text, const NumberRule& rule) {
@@ -28,7 +41,7 @@ std::optional<UnitText> unit_text(string_view text, const NumberRule& rule) {
   string_view symbol = text.substr(static_cast<std::size_t>(stop - text.data()));
   while (symbol.starts_with(' ')) symbol.remove_prefix(1);
   while (symbol.ends_with(' ')) symbol.remove_suffix(1);
-  const auto unit = std::ranges::find(kind->units, symbol, &Unit::symbol);
+  const auto unit = std::ranges::find(kind->units, string_view{without_superscripts(symbol)}, &Unit::symbol);
   if (unit == kind->units.end()) return std::nullopt;
   return UnitText{value, std::to_address(unit)};
 }
@@ -63,7 +76,8 @@ std::optional<string_view> likely_unit(double number, double factor, const Numbe
   if (kind == nullptr || !rule.usual) return std::nullopt;
   for (const Unit& unit : kind->units) {
     const double value = std::abs(number) * unit.factor, times = unit.factor / factor;
-    const bool of_other_size = times < 0.5 || times > 2;  // gon for degrees is no slip that shows
+    // gon for degrees is no slip that shows, and nobody gives a thickness in km.
+    const bool of_other_size = (times < 0.5 || times > 2) && (kind->unit != "m" || unit.factor <= rule.usual->high);
     if (of_other_size && value >= rule.usual->low && value <= rule.usual->high) return unit.symbol;
   }
   return std::nullopt;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "cleave/core/overloaded.hpp"
+#include "cleave/core/special.hpp"
 #include "cleave/dfn/joint_set.hpp"
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/scene3d/key_tables.hpp"
@@ -159,6 +160,21 @@ bool is_persistent(const TableReader& set) {
   return word != nullptr && *word == persistent_word.front();
 }
 
+namespace {
+/// A normal law of which a good part lies below 0: sizes drawn are not of its mean.
+void note_wide_law(const TableReader& table, const dfn::SizeSpec& spec) {
+  if (spec.distribution != dfn::SizeDistribution::normal || !spec.mean || !spec.std || !(*spec.std > Length{})) return;
+  const double below = 100 * special::normal_cdf(-*spec.mean / *spec.std);
+  if (below < 5) return;
+  table.note(
+      "std",
+      fmt::format("is {:g} m of a normal law with mean = {:g} m: {:.3g} % of it lies below 0 and is not drawn, so "
+                  "that sizes are larger than its mean",
+                  spec.std->si(), spec.mean->si(), below),
+      "take a smaller std, or distribution = \"lognormal\"");
+}
+}  // namespace
+
 std::optional<dfn::SizeLaw> parse_size(const TableReader& set, string_view key) {
   const TomlEntry* entry = set.find(key);
   if (entry == nullptr) return std::nullopt;
@@ -201,6 +217,7 @@ std::optional<dfn::SizeLaw> parse_size(const TableReader& set, string_view key) 
           "mean and std are those of the law before it is cut to min..max");
     }
     spec.distribution = static_cast<dfn::SizeDistribution>(*law);
+    note_wide_law(table, spec);
   }
   auto law = dfn::SizeLaw::make(spec);
   if (law) return std::move(*law);

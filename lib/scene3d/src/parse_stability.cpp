@@ -223,7 +223,7 @@ const KeyTable& stability_keys() {
          "\"ignored\"/\"strength\", strengths = \"full\"/\"target\" }`, [stability.md](stability.md)"},
         {"rotation", key::word<stability::RotationCheck>(), "\"flag\"",
          "single blocks that cannot slide are asked whether they turn (topple, twist): `\"flag\"` tells, `\"decide\"` "
-         "makes those that do key blocks, `\"off\"` does not ask. Ensembles only ask with `\"decide\"`"},
+         "makes those that do key blocks, `\"off\"` does not ask. Ensembles ask, too"},
         {"groups", key::word<stability::GroupsCheck>(), "\"note\"",
          "blocks near free faces are judged together too (key groups): `\"note\"` tells, in `key_groups.csv`, "
          "`\"decide\"` makes blocks of such groups key blocks, `\"off\"` does not ask. Ensembles ask with `\"decide\"` "

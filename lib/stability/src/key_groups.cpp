@@ -153,6 +153,10 @@ GroupSupport check_groups(const topology::AuditedComplex& complex, const Setting
 }
 
 namespace {
+bool is_supported(const SupportResult& support, BlockId block) {
+  return std::ranges::find(support.blocks, block, &SupportedBlock::block) != support.blocks.end();
+}
+
 bool share_a_block(const KeyGroup& a, const KeyGroup& b) {
   return std::ranges::any_of(a.blocks, [&](BlockId id) { return std::ranges::binary_search(b.blocks, id); });
 }
@@ -179,7 +183,9 @@ std::optional<Force> GroupSupport::net_left_of(const KeyGroup& group) const {
 void mark_bolts_of_groups(const GroupSupport& groups, SupportResult& support) {
   std::vector<BlockId> members;
   for (const KeyGroup& group : groups.below.groups) {
-    members.insert(members.end(), group.blocks.begin(), group.blocks.end());
+    // A block that misses its target by itself was asked which bolts it needs.
+    const bool asked = group.blocks.size() == 1 && is_supported(support, group.blocks.front());
+    if (!asked) members.insert(members.end(), group.blocks.begin(), group.blocks.end());
   }
   std::ranges::sort(members);
   const OwnerOf owner = [&](BlockId id) -> std::optional<std::optional<std::uint32_t>> {
@@ -197,6 +203,15 @@ void mark_bolts_of_groups(const GroupSupport& groups, SupportResult& support) {
     bolt.capacity = bolt.used = most.force.si();
     bolt.limit = most.limit;
     bolt.angle = 0;  // of its pull
+  }
+}
+
+void judge_turning(const GroupSupport& groups, SupportResult& support) {
+  if (groups.too_many() || groups.below.without_moments || groups.left.without_moments) return;
+  for (OnlyTurns& turning : support.turning) {
+    for (const KeyGroup& group : groups.below.groups) {
+      if (std::ranges::binary_search(group.blocks, turning.block)) turning.held = !groups.left_of(group);
+    }
   }
 }
 

@@ -64,6 +64,7 @@ class Check final {
       last_state_ = batch.number + 1;
     }
     find_needy();
+    find_turning();
     for (const Bolt& bolt : plan_->bolts) add_bolt(bolt, false);
     for (const Bolt& bolt : plan_->placed) add_bolt(bolt, true);
     result_.spot_bolts = plan_->placed.size();
@@ -160,6 +161,16 @@ class Check final {
     }
   }
 
+  /// What leaves later stays where the first batch is held.
+  void find_turning() {
+    for (const Judgement& j : analysis_->judgements) {
+      const bool first = j.batch && (*j.batch == 1 || scaled_);
+      if (!first || !j.rotation || !j.rotation->turns || needy_[j.block] != none || !model_.present(j.block, 1))
+        continue;
+      result_.turning.push_back({.block = j.block});
+    }
+  }
+
   void ask_pressures(SupportedBlock& entry, const Body& body) {
     if (!pressures_) pressures_.emplace(*complex_, *settings_, *pushing_, *plan_, gone_);
     entry.required_pressure = pressures_->needed(entry.block, body);
@@ -185,7 +196,7 @@ class Check final {
       entry.outside = {};
     }
     note_truncated(path);
-    for (const Pierced& p : entry.pierced) note_border(p.block);
+    for (const Pierced& p : entry.pierced) note_border(p.block, result_.held_by_border);
     const auto number = static_cast<std::uint32_t>(result_.bolts.size());
     for (const Pierced& p : entry.pierced) {
       auto& through = through_[p.block];
@@ -195,13 +206,22 @@ class Check final {
   }
 
   /// Notes a block that only a side of the domain keeps from moving.
-  void note_border(BlockId id) {
-    if (std::exchange(looked_at_[id], std::uint8_t{1}) != 0) return;
-    const topology::Block& block = complex_->blocks()[id];
-    if (!block.fixed || block.truncated || gone_(id)) return;
-    // In place, or where the blocks that the bolts hold lay it bare.
-    if (!motion_off_border(model_, id, 1) && !motion_off_border(model_, id, last_state_)) return;
-    result_.held_by_border.insert(std::ranges::lower_bound(result_.held_by_border, id), id);
+  void note_border(BlockId id, std::vector<BlockId>& noted) {
+    if (std::ranges::binary_search(noted, id) || !only_border_holds(id)) return;
+    noted.insert(std::ranges::lower_bound(noted, id), id);
+  }
+
+  [[nodiscard]] bool only_border_holds(BlockId id) {
+    constexpr std::uint8_t does = 1, does_not = 2;
+    std::uint8_t& known = looked_at_[id];
+    if (known == 0) {
+      const topology::Block& block = complex_->blocks()[id];
+      // In place, or where the blocks that the bolts hold lay it bare.
+      const bool loose = block.fixed && !block.truncated && !gone_(id) &&
+                         (motion_off_border(model_, id, 1) || motion_off_border(model_, id, last_state_));
+      known = loose ? does : does_not;
+    }
+    return known == does;
   }
 
   /// What a bolt does depends on the blocks it goes through as a whole: how much of it each grips, and with which
@@ -308,7 +328,11 @@ class Check final {
     const Shotcrete& layer = *plan_->shotcrete;
     const Body& body = bodies_[needy_[entry.block]];
     const double perimeter = keyed_perimeter(
-        *complex_, entry.block, body.bare.direction, sprayed_, [&](BlockId other) { return needy_[other] != none; },
+        *complex_, entry.block, body.bare.direction, sprayed_,
+        [&](BlockId other) {
+          note_border(other, result_.sprayed_at_border);
+          return needy_[other] != none;
+        },
         gone_);
     const double hold = perimeter * held_per_metre(layer);
     const double rock = body.bare.resistance.least;
@@ -472,7 +496,7 @@ class Check final {
   Sprayed sprayed_;
   std::optional<FacePressures> pressures_;     ///< once a block needs support
   IdVector<BlockId, std::uint32_t> needy_;     ///< index into bodies_ and result_.blocks
-  IdVector<BlockId, std::uint8_t> looked_at_;  ///< by `note_border`
+  IdVector<BlockId, std::uint8_t> looked_at_;  ///< by `only_border_holds`
   IdVector<BlockId, ForceSum> received_by_;
   std::vector<Body> bodies_;
   std::vector<double> layers_;  ///< N, parallel to bodies_: what shotcrete can carry
@@ -486,6 +510,8 @@ bool SupportResult::passes() const noexcept {
   return std::ranges::all_of(blocks, [](const SupportedBlock& b) { return b.held != Held::not_held; }) &&
          std::ranges::all_of(combined, [](const CombinedBlock& b) { return b.passes; });
 }
+
+bool SupportResult::holds_what_turns() const noexcept { return std::ranges::all_of(turning, &OnlyTurns::held); }
 
 std::vector<Bolt> newly_placed(const SupportResult& result, const SupportPlan& plan) {
   std::vector<Bolt> out;

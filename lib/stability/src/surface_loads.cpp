@@ -170,6 +170,23 @@ IdVector<BlockId, ForceSum> surface_forces(const BlockComplex& complex, const Ac
   return sums;
 }
 
+std::vector<std::size_t> pulling_surcharges(const BlockComplex& complex, const Actions& actions) {
+  std::vector<std::size_t> out;
+  const std::vector<Surcharge>& surcharges = actions.spec().surcharges;
+  for (std::size_t i = 0; i < surcharges.size(); ++i) {
+    const Surcharge& load = surcharges[i];
+    double pull = 0, size = 0;
+    for (const Face& face : complex.faces()) {
+      const double area = loaded(complex, face, load).total;
+      if (!(area > 0)) continue;
+      pull += area * (dot(load.traction, face.outward) - load.pressure.si());
+      size += area * (norm(load.traction) + std::abs(load.pressure.si()));
+    }
+    if (pull > 1e-6 * size) out.push_back(i);
+  }
+  return out;
+}
+
 std::vector<Misplaced> misplaced(const BlockComplex& complex, const Actions& actions) {
   std::vector<Misplaced> out;
   const ActionSpec& spec = actions.spec();

@@ -71,6 +71,7 @@ Record under_case(const Record& of, std::size_t number) {
   record.border = c.border;
   record.tapered = c.tapered;
   record.at_parts = c.at_parts;
+  record.turning = c.turning;
   return record;
 }
 

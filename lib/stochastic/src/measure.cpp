@@ -206,6 +206,12 @@ Record measure(const BlockComplex& complex, const stability::Analysis* analysis,
   return record;
 }
 
+std::optional<std::uint64_t> count_turning(const stability::Analysis& analysis) {
+  if (analysis.rotation == stability::RotationCheck::off) return std::nullopt;
+  return static_cast<std::uint64_t>(std::ranges::count_if(
+      analysis.judgements, [](const stability::Judgement& j) { return j.rotation && j.rotation->turns; }));
+}
+
 CaseTally measure_case(const BlockComplex& complex, const stability::Analysis& analysis) {
   CaseTally tally;
   for (const stability::Judgement& judgement : analysis.judgements) {

@@ -33,6 +33,10 @@ Quantity at_stages(Quantity quantity) {
   quantity.stages = true;
   return quantity;
 }
+Quantity of_turning(Quantity quantity) {
+  quantity.turning = true;
+  return by_case(quantity);
+}
 Quantity over_openings(Quantity quantity) {
   quantity.openings = true;
   return quantity;
@@ -81,6 +85,7 @@ bool Quantity::asked_in(const Record& record) const noexcept {
   if (flow && !record.flow) return false;
   if (water && !(record.flow && record.flow->water)) return false;
   if (stages && !record.supported_stages) return false;
+  if (turning && !record.turning) return false;
   if (support) return record.support && (!groups || record.support->groups);
   return !groups || record.groups.has_value();
 }
@@ -116,6 +121,8 @@ const std::vector<Quantity>& block_quantities() {
       {"largest_support_pressure_pa", [](const Record& r) { return r.largest_pressure_pa; }, true, false, true, false,
        false, false, false, true},
       of_lifting({"lifted_count", lifted_count, true, false, false}),
+      of_turning({"probability_of_turning", [](const Record& r) { return r.turning.value_or(0) > 0 ? 1.0 : 0.0; }, true,
+                  false, false, false, true}),
       by_case({"domain_held_count", [](const Record& r) { return r.border ? number(r.border->count) : 0; }, true, false,
                true}),
       by_case({"domain_held_volume_m3", [](const Record& r) { return r.border ? r.border->volume.si() : 0; }, true,

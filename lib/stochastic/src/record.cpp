@@ -173,7 +173,8 @@ std::string_view record_columns() noexcept {
          "first_count,first_volume_m3,first_largest_m3,first_support_n,first_support_transferred_n,first_falling,"
          "first_lifting,first_sliding,first_wedge,first_tetrahedral,first_pentahedral,first_hexahedral,first_higher,"
          "first_other,first_concave,first_sphericity_sum,first_sizes,above,chainage_m3,support,orders,groups,clamped,"
-         "border,whole,whole_bins,sets,lines,cases,tapered,at_parts,cases_lifting,flow,supported_stages,crc32";
+         "border,whole,whole_bins,sets,lines,cases,tapered,at_parts,cases_lifting,flow,supported_stages,"
+         "turning,crc32";
 }
 
 std::string line_of(const Record& r) {
@@ -217,6 +218,13 @@ std::string line_of(const Record& r) {
   w.list(std::span{std::as_const(lifting)});
   w.list(std::span{flow});
   w.list(std::span{stages});
+  // Of the base case and of each load case, where it was asked.
+  std::vector<std::uint64_t> turning;
+  if (r.turning) turning.push_back(*r.turning);
+  for (const CaseTally& c : r.cases) {
+    if (c.turning) turning.push_back(*c.turning);
+  }
+  w.list(std::span{std::as_const(turning)});
   return std::move(w).finish();
 }
 
@@ -253,7 +261,7 @@ std::optional<Record> record_of(std::string_view line) {
   std::vector<double> support, orders, groups, clamped, border, whole, sets, lines, cases, tapered, at_parts, flow,
       stages;
   std::vector<float> bins;
-  std::vector<std::uint64_t> lifting;
+  std::vector<std::uint64_t> lifting, turning;
   r.list(support);
   r.list(orders);
   r.list(groups);
@@ -269,6 +277,7 @@ std::optional<Record> record_of(std::string_view line) {
   r.list(lifting);
   r.list(flow);
   r.list(stages);
+  r.list(turning);
   if (!take(support, record.support) || !take(orders, record.orders) || !take(groups, record.groups) ||
       !take(clamped, record.clamped) || !take(border, record.border) || !take(whole, bins, record.whole) ||
       !take(sets, record.sets) || !take(lines, record.lines) || !take(cases, record.cases) ||
@@ -277,6 +286,11 @@ std::optional<Record> record_of(std::string_view line) {
     return std::nullopt;
   }
   for (std::size_t k = 0; k < lifting.size(); ++k) record.cases[k].lifting = lifting[k];
+  if (!turning.empty()) {
+    if (turning.size() != record.cases.size() + 1) return std::nullopt;
+    record.turning = turning.front();
+    for (std::size_t k = 0; k < record.cases.size(); ++k) record.cases[k].turning = turning[k + 1];
+  }
   if (!record.factors.empty() && record.factors.size() != factor_bins) return std::nullopt;
   if (!r.good() || outcome > static_cast<unsigned>(Outcome::refused) || stopped > 1) return std::nullopt;
   record.outcome = static_cast<Outcome>(outcome);

@@ -405,10 +405,13 @@ struct SupportFigures {
   GroupsJudged groups_judged = GroupsJudged::not_asked;
   /// What could not be judged does not pass; what was not asked is left out.
   [[nodiscard]] bool passes() const noexcept {
-    return block_by_block && groups_judged != GroupsJudged::too_many && (!groups || groups->all_held());
+    return block_by_block && turning_not_held == 0 && groups_judged != GroupsJudged::too_many &&
+           (!groups || groups->all_held());
   }
   std::uint64_t blocks = 0, held_by_bolts = 0, held_by_shotcrete = 0, held_by_both = 0, not_held = 0;
   std::uint64_t key_blocks_behind = 0;  ///< not among these
+  /// Key blocks that only turn, not among these either, and those of them that nothing is known to hold.
+  std::uint64_t turning = 0, turning_not_held = 0;
   std::uint64_t bolts = 0, spot_bolts = 0, bolts_used = 0, bolts_of_groups = 0, bolts_redundant = 0,
                 bolts_too_short = 0;
   std::uint64_t combined = 0, combined_failing = 0;
@@ -444,6 +447,7 @@ void fields(V& v, const SupportCaseFigures& x) {
   v("missing_force_n", or_null(x.figures.missing_force_n), "null: no force is enough");
   v("missing_force_reason",
     when(!std::isfinite(x.figures.missing_force_n), "no force is enough for a block that is not held"));
+  v("turning_not_held", when(x.figures.turning > 0, x.figures.turning_not_held), "as without load");
   v("largest_required_pressure_pa", or_null(x.figures.largest_required_pressure_pa), "as without load");
   v("largest_required_pressure_reason",
     when(!std::isfinite(x.figures.largest_required_pressure_pa), "no pressure is enough at the neediest place"));
@@ -481,6 +485,10 @@ void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_
   v("blocks", x.blocks, "blocks that by themselves are below their target without support");
   v("key_blocks_behind", x.key_blocks_behind,
     "beside them: key blocks that leave only after others have left, and so stay where those are held");
+  v("turning", when(x.turning > 0, x.turning),
+    "beside them: key blocks only because they turn (`rotation = \"decide\"`), of which translation says nothing");
+  v("turning_not_held", when(x.turning > 0, x.turning_not_held),
+    "of these, not held where blocks are judged together with moments, or not judged so: then nothing passes");
   v("held_by_bolts", x.held_by_bolts);
   v("held_by_shotcrete", x.held_by_shotcrete);
   v("held_by_both", x.held_by_both, "neither bolts nor shotcrete alone, both together");

@@ -318,7 +318,9 @@ void fields(V& v, const FieldStressResult& x) {
   v("held_m3", x.held_volume, "their volume");
   v("lowest_factor_of_safety", or_null(x.lowest_factor_of_safety()), "with it; null: none is finite");
   v("lowest_factor_of_safety_reason",
-    when(!std::isfinite(x.lowest_factor_of_safety()), "no block at the tunnel slides"));
+    when(!std::isfinite(x.lowest_factor_of_safety()), x.undecided > 0
+                                                          ? "no block at the tunnel slides of which the stress is known"
+                                                          : "no block at the tunnel slides"));
 }
 
 /// A joint that was mapped, and the one that was drawn for it.

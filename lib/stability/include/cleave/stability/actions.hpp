@@ -124,6 +124,9 @@ struct Misplaced {
   Length off;         ///< distance of the point; length of the line that lies on no free face; of surcharges nothing
 };
 [[nodiscard]] std::vector<Misplaced> misplaced(const topology::BlockComplex& complex, const Actions& actions);
+/// Surcharges (by index) that in all pull at the free faces they act on: what a wrong sign looks like.
+[[nodiscard]] std::vector<std::size_t> pulling_surcharges(const topology::BlockComplex& complex,
+                                                          const Actions& actions);
 
 /// A force on one block at a point: of what acts beside gravity and seismic force.
 struct LoadOnBlock {

@@ -132,7 +132,10 @@ struct GroupSupport {
                                         assembly::UntiedSets& untied, const Together& most = most_together);
 /// Makes bolts that no single block or stitched body needs those of a group, where they pull at blocks of one that is
 /// below its target, held or not: whether it would do without one of them is not asked, so that none of them counts as
-/// redundant. `groups` is of this support.
+/// redundant. A group that is one block of `support` alone changes nothing. `groups` is of this support.
 void mark_bolts_of_groups(const GroupSupport& groups, SupportResult& support);
+/// Of key blocks that only turn says which are held: those that move together, or alone, without the support and not
+/// with it. Nothing where blocks were judged in translation only.
+void judge_turning(const GroupSupport& groups, SupportResult& support);
 
 }  // namespace cleave::stability

@@ -239,18 +239,28 @@ struct CombinedBlock {
   double volume = 0;         ///< m3
 };
 
+/// A key block only because it turns: translation lets it stay at its target, and says nothing of what holds it.
+struct OnlyTurns {
+  topology::BlockId block;
+  bool held = false;  ///< as blocks judged together with moments say (`judge_turning`); not asked: not held
+};
+
 struct SupportResult {
   std::vector<SupportedBlock> blocks = {};   ///< in order of id
+  std::vector<OnlyTurns> turning = {};       ///< not among them, in order of id; `passes` leaves them out
   std::vector<BoltResult> bolts = {};        ///< plan order, then spot bolts: those placed already first
   std::vector<CombinedBlock> combined = {};  ///< two members and more, by lowest id
   std::size_t spot_bolts = 0;
   /// Blocks with bolts through them that only a side of the domain holds (`DomainHeld`), ascending. They count as rock
   /// that stays, as what lies beyond is unknown.
   std::vector<topology::BlockId> held_by_border = {};
+  /// The same of blocks that shotcrete at the edges of others is held at.
+  std::vector<topology::BlockId> sprayed_at_border = {};
   /// Blocks known in part only (topology::Block::truncated) that the check depends on: when there is one nothing else
   /// of the result holds, and a larger window is needed.
   std::vector<topology::BlockId> undecided = {};
   [[nodiscard]] bool passes() const noexcept;
+  [[nodiscard]] bool holds_what_turns() const noexcept;
 };
 
 /// The spot bolts that a check of the plan placed beside those that were there.

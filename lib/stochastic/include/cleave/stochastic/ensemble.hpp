@@ -34,6 +34,7 @@ struct Quantity {
   bool water = false;        ///< needs water that stands somewhere
   bool lifted = false;       ///< 0 where no load lifts
   bool stages = false;       ///< needs a support that is judged after each stage
+  bool turning = false;      ///< needs the check of rotation
   /// Whether the scene of this record asks for it.
   [[nodiscard]] bool asked_in(const Record& record) const noexcept;
 };
@@ -238,6 +239,7 @@ struct EnsembleOptions {
   std::uint64_t seed = 1;                ///< of the bootstrap
   bool support = false;                  ///< a support design was checked
   bool stages = false;                   ///< and so it was after each stage of the excavation
+  bool turning = false;                  ///< blocks that cannot slide were asked whether they turn
   bool groups = false;                   ///< blocks were judged together
   bool clamped = false;                  ///< stress across joints was looked at
   bool at_parts = false;                 ///< an opening is no cut from above: key blocks are counted by where they are
@@ -323,7 +325,7 @@ class Ensemble final {
     return has(q.stability, q.whole_system) && (options_.support || !q.support) && (options_.groups || !q.groups) &&
            (options_.clamped || !q.clamped) && (options_.at_parts || !q.at_parts) &&
            (options_.openings || !q.openings) && (options_.flow || !q.flow) && (options_.water || !q.water) &&
-           (options_.stages || !q.stages);
+           (options_.stages || !q.stages) && (options_.turning || !q.turning);
   }
   static const std::vector<Ratio>& ratios();
   [[nodiscard]] static std::size_t index_of(std::string_view quantity);

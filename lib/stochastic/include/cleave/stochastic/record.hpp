@@ -147,8 +147,9 @@ struct CaseTally {
   std::optional<Grouped> groups;     ///< of a scene with groups = "decide"
   std::optional<Staying> border;     ///< held only by sides of the domain that are not free, where it was asked
   std::optional<Staying> tapered;    ///< held only because joints close on them by next to nothing, where it was asked
-  std::vector<PartTally> at_parts = {};  ///< by Part; empty where there are only cuts from above
-  std::uint64_t lifting = 0;             ///< of the key blocks
+  std::vector<PartTally> at_parts = {};       ///< by Part; empty where there are only cuts from above
+  std::uint64_t lifting = 0;                  ///< of the key blocks
+  std::optional<std::uint64_t> turning = {};  ///< as Record::turning
   friend bool operator==(const CaseTally&, const CaseTally&) = default;
 };
 
@@ -253,6 +254,8 @@ struct Record {
   std::vector<PartTally> at_parts;     ///< by Part, key blocks with a free face; empty with cuts from above alone
   std::optional<FlowTally> flow = {};  ///< of a scene with [flow]
   std::optional<SupportedStages> supported_stages = {};  ///< of a scene with [support] that is dug in stages
+  /// Blocks that turn or topple though they cannot slide, key blocks or not; empty where it was not asked.
+  std::optional<std::uint64_t> turning = {};
   friend bool operator==(const Record&, const Record&) = default;
 };
 
@@ -351,6 +354,8 @@ struct Questions {
 /// holds, where it was asked. A face to a block that left before counts as free, as it was when the block was judged.
 [[nodiscard]] Record measure(const topology::BlockComplex& complex, const stability::Analysis* analysis,
                              const Questions& questions, const stability::DomainHeld* held = nullptr);
+/// Blocks that turn though translation lets them stay; empty where it was not asked.
+[[nodiscard]] std::optional<std::uint64_t> count_turning(const stability::Analysis& analysis);
 /// The key blocks under a load case.
 [[nodiscard]] CaseTally measure_case(const topology::BlockComplex& complex, const stability::Analysis& analysis);
 
