@@ -10,7 +10,6 @@
 #include "contacts.hpp"
 #include "domain_held.hpp"
 #include "group_search.hpp"
-#include "strengths_over.hpp"
 #include "ties.hpp"
 #include "verdict.hpp"
 
@@ -200,7 +199,7 @@ void mark_bolts_of_groups(const GroupSupport& groups, SupportResult& support) {
   }
 }
 
-void add_held_together(const topology::AuditedComplex& audited, const Settings& settings, const Analysis& analysis,
+bool add_held_together(const topology::AuditedComplex& audited, const Settings& settings, const Analysis& analysis,
                        const KeyGroups& groups, DomainHeld& held, const Together& most) {
   const topology::BlockComplex& complex = audited.complex();
   std::vector<BlockId> gone;
@@ -208,7 +207,9 @@ void add_held_together(const topology::AuditedComplex& audited, const Settings& 
   for (const KeyGroup& group : groups.groups) {
     if (group.verdict != assembly::Verdict::in_doubt) gone.insert(gone.end(), group.blocks.begin(), group.blocks.end());
   }
-  for (const BlockId id : groups_at_border(complex, settings, most, gone)) {
+  const std::optional<std::vector<BlockId>> together = groups_at_border(complex, settings, most, gone);
+  if (!together) return false;
+  for (const BlockId id : *together) {
     const auto at = std::ranges::lower_bound(held.blocks, id);
     if (at != held.blocks.end() && *at == id) continue;
     held.blocks.insert(at, id);
@@ -216,6 +217,7 @@ void add_held_together(const topology::AuditedComplex& audited, const Settings& 
     held.free_area += free_area_of(complex, id);
     ++held.together;
   }
+  return true;
 }
 
 void decide_by_groups(const topology::AuditedComplex& complex, const Settings& settings, const KeyGroups& groups,
