@@ -176,6 +176,11 @@ TEST(TerminalTest, SupportThatDoesNotPassEverywhere) {
   judged = not_asked;
   EXPECT_EQ(line(true, {}, {}), "support      passes block by block");
   EXPECT_EQ(line(true, {}, {"quake"}), "support      passes block by block without load, DOES NOT PASS under quake");
+  // What it is not asked to hold is no part of that.
+  r.figures.support->not_asked = {.count = 1, .volume = cubic_metres(477.6), .lowest_factor_of_safety = 1.198};
+  EXPECT_TRUE(
+      figures_of(r).contains("passes block by block without load, DOES NOT PASS under quake, but for 1 block "
+                             "(477.6 m3, least factor 1.2) that it is not asked to hold, see the notes:"));
   judged = too_many;
   EXPECT_EQ(line(true, {}, {}), "support      passes block by block, GROUPS OF BLOCKS NOT JUDGED");
   // Crumbs and what others press on are told apart.

@@ -90,10 +90,17 @@ std::string support_verdict(const scene::SupportFigures& support, const std::vec
                : "DOES NOT PASS";
   }
   const scene::FailsElsewhere elsewhere = scene::fails_elsewhere(support, cases);
-  return fmt::format("passes{}{}{}{}{}",
+  std::string not_asked;
+  if (support.not_asked.count > 0) {
+    const double least = support.not_asked.lowest_factor_of_safety;
+    not_asked = fmt::format(", but for {} ({:.4g} m3{}) that it is not asked to hold, see the notes",
+                            counted(support.not_asked.count, "block", "blocks"), support.not_asked.volume.si(),
+                            std::isfinite(least) ? fmt::format(", least factor {:.3g}", least) : "");
+  }
+  return fmt::format("passes{}{}{}{}{}{}",
                      support.groups_judged == scene::GroupsJudged::not_asked ? " block by block" : "",
                      elsewhere.passes.empty() ? "" : " ", elsewhere.passes,
-                     elsewhere.fails.empty() ? "" : ", DOES NOT PASS ", elsewhere.fails);
+                     elsewhere.fails.empty() ? "" : ", DOES NOT PASS ", elsewhere.fails, not_asked);
 }
 
 std::string support_lines(const scene::SupportFigures& support, const std::vector<scene::DesignResult>& designs,

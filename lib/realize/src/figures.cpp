@@ -16,14 +16,14 @@
 #include "cleave/realize/run_result.hpp"
 
 namespace cleave::scene {
-namespace {
-
-/// Whether a judged block has less than its target; what moves only together with others, or turns, has.
+/// What moves only together with others, or turns, has.
 bool below(const stability::Judgement& judgement, const Targets& target) {
   if (judgement.key && !stability::moves(judgement.mode)) return true;
   const bool free = judgement.mode == stability::Mode::falling || judgement.mode == stability::Mode::lifting;
   return stability::moves(judgement.mode) && judgement.factor_of_safety < (free ? target.falling : target.sliding);
 }
+
+namespace {
 
 MicroBlockFigures count_micro_blocks(const topology::BlockComplex& complex, const MicroBlocks& limits) {
   MicroBlockFigures figures{.policy = limits.policy};
@@ -372,11 +372,13 @@ Figures count(const RunResult& result) {
     if (!load.groups) continue;
     row.groups = count_key_groups(*load.groups);
     row.groups->in_all = count_in_all(result, load.analysis, load.groups);
+    if (load.groups_below_target) add_below_target(*load.groups_below_target, *row.groups);
   }
   figures.governing_case = governing_case(figures, result);
   if (result.support) {
     figures.support = count_support(result, *result.analysis, *result.support, result.group_support);
     figures.support->targets = target.value_or(Targets{});
+    figures.support->not_asked = result.not_asked;
   }
   const bool asked = result.stability && result.stability->groups != stability::GroupsCheck::off;
   const auto add_groups = [&](SupportFigures& support, const std::optional<stability::GroupSupport>& groups) {

@@ -238,17 +238,16 @@ void add_group_notes(const stability::KeyGroups& groups, const stability::Analys
   }
 }
 
-void add_below_target_note(const Realization& made, const StabilitySettings& settings,
-                           std::vector<std::string>& notes) {
-  if (!made.groups_below_target || !made.key_groups) return;
+void add_below_target_note(const stability::KeyGroups& found, const stability::KeyGroups& groups, double target,
+                           std::string_view where, std::vector<std::string>& notes) {
   KeyGroupFigures figures;
-  add_below_target(*made.groups_below_target, figures);
-  if (*figures.below_target <= count_key_groups(*made.key_groups).count) return;
-  notes.push_back(fmt::format(
-      "{} {} of blocks ({:.4g} m3) would move at strengths over the target of {:g} for sliding, {} "
-      "at strengths as they are",
-      *figures.below_target, *figures.below_target == 1 ? "group" : "groups", figures.below_target_volume.si(),
-      settings.target->sliding, count_key_groups(*made.key_groups).count));
+  add_below_target(found, figures);
+  if (*figures.below_target <= count_key_groups(groups).count) return;
+  notes.push_back(
+      fmt::format("{}{} {} of blocks ({:.4g} m3) would move at strengths over the target of {:g} for sliding, {} "
+                  "at strengths as they are",
+                  where, *figures.below_target, *figures.below_target == 1 ? "group" : "groups",
+                  figures.below_target_volume.si(), target, count_key_groups(groups).count));
 }
 
 void add_group_factor_note(const std::optional<stability::FactorTogether>& found, std::vector<std::string>& notes) {

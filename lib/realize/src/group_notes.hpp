@@ -35,8 +35,10 @@ void add_let_go_note(const std::vector<std::optional<LetGo>>& outcomes, std::vec
 void add_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis, bool unasked,
                      std::vector<std::string>& notes);
 
-/// Groups below the target where no support asks for them.
-void add_below_target_note(const Realization& made, const StabilitySettings& settings, std::vector<std::string>& notes);
+/// Groups below the target where no support asks for them: those `found` at strengths over it, where these are more
+/// than `groups` at strengths as they are. `where`: the load case or stage, before it.
+void add_below_target_note(const stability::KeyGroups& found, const stability::KeyGroups& groups, double target,
+                           std::string_view where, std::vector<std::string>& notes);
 
 /// Between which divisors of the strengths all blocks together begin to move.
 void add_group_factor_note(const std::optional<stability::FactorTogether>& found, std::vector<std::string>& notes);

@@ -236,6 +236,7 @@ Realizer::Done Realizer::judge() {
     }
   }
   held_by_micro_blocks();
+  look_for_held();
   made_.sensitivity = stability::sensitivity(complex, with, *made_.analysis);
   judge_maximum_blocks(*scene_, made_);
   return {};
@@ -245,26 +246,108 @@ Realizer::Done Realizer::judge() {
 void Realizer::hold_by_next_to_nothing(const stability::Settings& settings) {
   made_.tapered = stability::held_by_taper(*made_.complex, settings, *made_.analysis);
   made_.held_alone = stability::domain_held(*made_.complex, settings, *made_.analysis);
-  made_.domain_held = with_groups(*made_.held_alone, settings, *made_.analysis, made_.key_groups);
+  made_.domain_held = with_groups(*made_.held_alone, settings, *made_.analysis, made_.key_groups, "");
 }
 
 stability::DomainHeld Realizer::with_groups(stability::DomainHeld held, const stability::Settings& settings,
                                             const stability::Analysis& analysis,
-                                            const std::optional<stability::KeyGroups>& groups) const {
-  if (groups && !groups->too_many) stability::add_held_together(*made_.complex, settings, analysis, *groups, held);
+                                            const std::optional<stability::KeyGroups>& groups, std::string_view where) {
+  // Where blocks are not judged together, what only sides of the domain hold is looked for all the same.
+  const bool asked = groups ? !groups->too_many : detail_ == Detail::shown;
+  if (!asked) return held;
+  const stability::KeyGroups none;
+  if (!stability::add_held_together(*made_.complex, settings, analysis, groups ? *groups : none, held) && !groups) {
+    notes_.push_back(std::string{where} +
+                     "whether sides of the domain alone hold blocks that would move together was not asked: too many "
+                     "blocks are near free faces");
+  }
   return held;
+}
+
+std::optional<Targets> Realizer::target_of(const LoadCase* load) const {
+  if (load != nullptr && load->target) return load->target;
+  if (scene_->stability->target) return scene_->stability->target;
+  if (!scene_->support) return std::nullopt;
+  return Targets{.falling = scene_->support->plan.target_falling, .sliding = scene_->support->plan.target_sliding};
+}
+
+std::optional<stability::KeyGroups> Realizer::groups_below(const topology::AuditedComplex& complex,
+                                                           const stability::Settings& settings,
+                                                           const std::optional<stability::KeyGroups>& groups,
+                                                           const std::optional<Targets>& target) const {
+  if (!target || scene_->support || !groups || groups->too_many) return std::nullopt;
+  stability::SupportPlan plan;
+  plan.target_sliding = target->sliding;
+  return stability::groups_below_target(complex, settings, plan, together(*scene_, options_.threads));
+}
+
+void Realizer::look_for_held() {
+  HeldNotes held{*scene_, together(*scene_, options_.threads), notes_};
+  const topology::AuditedComplex& complex = *made_.complex;
+  held.look({.complex = &complex,
+             .settings = settings(complex.complex()),
+             .analysis = &*made_.analysis,
+             .groups = &made_.key_groups,
+             .target = target_of(nullptr),
+             .held = &*made_.domain_held});
+  for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
+    const CaseResult& load = made_.load_cases[k];
+    const LoadCase& stated = scene_->stability->cases[k];
+    held.look({.complex = &complex,
+               .settings = of_detail(settings_on(complex.complex(), *scene_, made_, stated.loads)),
+               .analysis = &load.analysis,
+               .groups = &load.groups,
+               .target = target_of(&stated),
+               .where = "load case " + load.name + ": ",
+               .place = JudgedState::Place::load,
+               .held = &*load.domain_held,
+               .below_target = &load.groups_below_target});
+  }
+  if (made_.sequence) look_for_held_in_stages(held);
+  made_.not_asked = held.not_asked();
+}
+
+/// But in the last where nothing fell before it: that is the base case.
+void Realizer::look_for_held_in_stages(HeldNotes& held) {
+  bool fell = false;
+  for (const StageResult& row : made_.sequence->stages) {
+    if (&row == &made_.sequence->stages.back() && (!fell || made_.sequence->fallen == Fallen::put_back)) break;
+    if (!row.complex || !*row.complex || !row.analysis) continue;
+    fell = fell || !row.analysis->batches.empty();
+    const topology::AuditedComplex& complex = **row.complex;
+    const std::string after = "after stage " + std::to_string(row.stage);
+    const auto look = [&](const LoadCase* load, const stability::Analysis& analysis,
+                          const std::optional<stability::KeyGroups>& groups) {
+      const stability::Settings with = of_detail(
+          settings_on(complex.complex(), *scene_, made_, load != nullptr ? load->loads : scene_->stability->loads));
+      const auto below = groups_below(complex, with, groups, target_of(load));
+      held.look({.complex = &complex,
+                 .settings = with,
+                 .analysis = &analysis,
+                 .groups = &groups,
+                 .target = target_of(load),
+                 .where = after + (load != nullptr ? ", load case " + load->name + ": " : ": "),
+                 .place = load != nullptr ? JudgedState::Place::stage_under_load : JudgedState::Place::stage,
+                 .below_target = &below});
+    };
+    look(nullptr, *row.analysis, row.groups);
+    for (std::size_t k = 0; k < row.cases.size(); ++k) {
+      look(&scene_->stability->cases[k], row.cases[k].analysis, row.cases[k].groups);
+    }
+  }
 }
 
 /// Of a scene with a target and without support, which asks for it itself.
 void Realizer::judge_groups_below_target() {
-  made_.groups_below_target.reset();
-  const auto& target = scene_->stability->target;
-  if (!target || scene_->support || !made_.key_groups || made_.key_groups->too_many) return;
-  stability::SupportPlan plan;
-  plan.target_sliding = target->sliding;
-  const stability::Settings with = settings(made_.complex->complex());
+  const topology::AuditedComplex& complex = *made_.complex;
   made_.groups_below_target =
-      stability::groups_below_target(*made_.complex, with, plan, together(*scene_, options_.threads));
+      groups_below(complex, settings(complex.complex()), made_.key_groups, scene_->stability->target);
+  for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
+    const LoadCase& stated = scene_->stability->cases[k];
+    made_.load_cases[k].groups_below_target =
+        groups_below(complex, of_detail(settings_on(complex.complex(), *scene_, made_, stated.loads)),
+                     made_.load_cases[k].groups, target_of(&stated));
+  }
 }
 
 /// Ensembles count groups only where they decide.
@@ -297,7 +380,8 @@ void Realizer::judge_load_cases() {
     const stability::Settings pushed =
         settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads);
     load.held_alone = stability::domain_held(complex, pushed, load.analysis);
-    load.domain_held = with_groups(*load.held_alone, pushed, load.analysis, load.groups);
+    load.domain_held =
+        with_groups(*load.held_alone, pushed, load.analysis, load.groups, "load case " + load.name + ": ");
     load.tapered = stability::held_by_taper(complex, pushed, load.analysis);
   }
 }

@@ -8,6 +8,7 @@
 
 #include "cleave/realize/run.hpp"
 #include "cleave/topology/sequence.hpp"
+#include "held_notes.hpp"
 #include "judge.hpp"
 
 namespace cleave::scene {
@@ -49,13 +50,23 @@ class Realizer final {
   /// Blocks that stay for a reason that may not hold: a side of the domain, a slight taper.
   void hold_by_next_to_nothing(const stability::Settings& settings);
   void taper_of_stages();
+  /// In all states, what a reader should not be left to find out.
+  void look_for_held();
+  void look_for_held_in_stages(HeldNotes& held);
+  /// Asked of blocks under a load case; of the base case without one.
+  [[nodiscard]] std::optional<Targets> target_of(const LoadCase* load) const;
   /// What micro-blocks hold, in the base case, under each load and after each stage.
   void held_by_micro_blocks();
   void supported_by_micro_blocks();
   /// What the border holds of single blocks, and of groups.
   [[nodiscard]] stability::DomainHeld with_groups(stability::DomainHeld held, const stability::Settings& settings,
                                                   const stability::Analysis& analysis,
-                                                  const std::optional<stability::KeyGroups>& groups) const;
+                                                  const std::optional<stability::KeyGroups>& groups,
+                                                  std::string_view where);
+  [[nodiscard]] std::optional<stability::KeyGroups> groups_below(const topology::AuditedComplex& complex,
+                                                                 const stability::Settings& settings,
+                                                                 const std::optional<stability::KeyGroups>& groups,
+                                                                 const std::optional<Targets>& target) const;
   void support();
   void support_of_groups();
   /// Of the base case, `number` 0, or a load case; empty, and noted, where more blocks than are judged together are

@@ -536,7 +536,9 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
         "bolt "
         "carries all blocks it goes through at once");
   }
-  if (scene.stability) add_below_target_note(made, *scene.stability, notes);
+  if (made.groups_below_target && made.key_groups) {
+    add_below_target_note(*made.groups_below_target, *made.key_groups, scene.stability->target->sliding, "", notes);
+  }
   if (scene.stability && scene.stability->group_factor && analysis) add_group_factor_note(made.group_factor, notes);
   add_target_notes(made, notes);
   if (made.sequence && analysis) add_stage_note(*made.sequence, *analysis, notes);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <string>
 #include <utility>
@@ -131,9 +132,20 @@ std::string support_verdict(const scene::SupportFigures& support, const std::vec
                : "Some blocks miss their target, alone or together with others.";
   }
   const scene::FailsElsewhere elsewhere = scene::fails_elsewhere(support, cases);
-  std::string out = "Every block reaches its target";
+  const scene::NotAsked& rest = support.not_asked;
+  std::string out = rest.count == 0 ? "Every block reaches its target"
+                                    : "Every block that the support is asked to hold reaches its target";
   if (!elsewhere.fails.empty()) out += " " + elsewhere.passes + ", <b>not " + escape_xml(elsewhere.fails) + "</b>";
   out += ".";
+  if (rest.count > 0) {
+    out += " <b>" + display_count(rest.count) + (rest.count == 1 ? " block" : " blocks") + " (" +
+           display(rest.volume.si(), 4) + " m3) would miss it</b> without sides of the domain, a slight taper of " +
+           "joints or what lies inside" +
+           (std::isfinite(rest.lowest_factor_of_safety)
+                ? ", the lowest factor of safety " + display(rest.lowest_factor_of_safety, 3)
+                : "") +
+           ": see the notes.";
+  }
   if (support.groups_judged == not_asked) out += " Whether groups of blocks are held was not asked.";
   return out;
 }

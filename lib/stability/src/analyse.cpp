@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "analyse_complex.hpp"
+#include "cleave/core/assert.hpp"
 #include "cleave/core/fields.hpp"
 
 namespace cleave::stability {
@@ -19,6 +20,15 @@ bool moves(Mode mode) noexcept {
     case Mode::tapered: return false;
   }
   std::unreachable();
+}
+
+Settings with_strengths_over(const Settings& settings, double factor) {
+  Settings reduced = settings;
+  const auto partial = PartialFactors::make(settings.partial.friction() * factor, settings.partial.cohesion() * factor,
+                                            settings.partial.weight());
+  CLEAVE_ASSERT(partial.has_value());
+  reduced.partial = *partial;
+  return reduced;
 }
 
 Analysis analyse(const topology::AuditedComplex& complex, const Settings& settings) {

@@ -14,7 +14,7 @@ Model::Model(const topology::BlockComplex& complex, const Settings& settings)
     : complex_{&complex},
       settings_{&settings},
       removed_in_(complex.blocks().size(), stays),
-      parallel_{parallel_planes(complex)},
+      parallel_{parallel_planes(complex, settings.taper_ignored)},
       rounding_{rounding_of_corners(complex)},
       directions_(complex.planes().size(), std::nullopt),
       on_surfaces_{surface_forces(complex, settings.actions)} {

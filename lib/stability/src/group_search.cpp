@@ -120,7 +120,7 @@ class Search final {
   }
 
   /// Of what moves when the blocks of the border may, their sides smooth, and `gone` has left: groups with one of them.
-  std::vector<BlockId> held_by_border(const std::vector<BlockId>& gone) {
+  std::optional<std::vector<BlockId>> held_by_border(const std::vector<BlockId>& gone) {
     for (const BlockId id : gone) model_.remove(id, 0);
     hangs_.emplace(complex().blocks().size(), std::uint8_t{0});
     for (const BlockId id : complex().blocks().ids()) {
@@ -135,6 +135,7 @@ class Search final {
       if (std::ranges::any_of(group.blocks, [&](BlockId id) { return complex().blocks()[id].fixed; }))
         out.insert(out.end(), group.blocks.begin(), group.blocks.end());
     }
+    if (out_.too_many) return std::nullopt;
     std::ranges::sort(out);
     return out;
   }
@@ -492,8 +493,8 @@ KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& s
   return Search{complex, settings, most, ties, std::move(begin), untied, bonds}.run();
 }
 
-std::vector<BlockId> groups_at_border(const topology::BlockComplex& complex, const Settings& settings,
-                                      const Together& most, const std::vector<BlockId>& gone) {
+std::optional<std::vector<BlockId>> groups_at_border(const topology::BlockComplex& complex, const Settings& settings,
+                                                     const Together& most, const std::vector<BlockId>& gone) {
   return Search{complex, settings, most}.held_by_border(gone);
 }
 

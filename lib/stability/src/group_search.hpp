@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "cleave/stability/key_groups.hpp"
@@ -31,9 +32,9 @@ namespace cleave::stability {
                                       assembly::UntiedSets& untied, const BondShares& bonds);
 
 /// Of what moves when the blocks of the border may, their sides smooth, and `gone` has left: groups with one of them.
-/// Ascending.
-[[nodiscard]] std::vector<topology::BlockId> groups_at_border(const topology::BlockComplex& complex,
-                                                              const Settings& settings, const Together& most,
-                                                              const std::vector<topology::BlockId>& gone);
+/// Ascending; empty when there are more blocks than `most`.
+[[nodiscard]] std::optional<std::vector<topology::BlockId>> groups_at_border(
+    const topology::BlockComplex& complex, const Settings& settings, const Together& most,
+    const std::vector<topology::BlockId>& gone);
 
 }  // namespace cleave::stability

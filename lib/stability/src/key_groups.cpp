@@ -10,7 +10,6 @@
 #include "contacts.hpp"
 #include "domain_held.hpp"
 #include "group_search.hpp"
-#include "strengths_over.hpp"
 #include "ties.hpp"
 #include "verdict.hpp"
 
@@ -215,7 +214,7 @@ void judge_turning(const GroupSupport& groups, SupportResult& support) {
   }
 }
 
-void add_held_together(const topology::AuditedComplex& audited, const Settings& settings, const Analysis& analysis,
+bool add_held_together(const topology::AuditedComplex& audited, const Settings& settings, const Analysis& analysis,
                        const KeyGroups& groups, DomainHeld& held, const Together& most) {
   const topology::BlockComplex& complex = audited.complex();
   std::vector<BlockId> gone;
@@ -223,7 +222,9 @@ void add_held_together(const topology::AuditedComplex& audited, const Settings& 
   for (const KeyGroup& group : groups.groups) {
     if (group.verdict != assembly::Verdict::in_doubt) gone.insert(gone.end(), group.blocks.begin(), group.blocks.end());
   }
-  for (const BlockId id : groups_at_border(complex, settings, most, gone)) {
+  const std::optional<std::vector<BlockId>> together = groups_at_border(complex, settings, most, gone);
+  if (!together) return false;
+  for (const BlockId id : *together) {
     const auto at = std::ranges::lower_bound(held.blocks, id);
     if (at != held.blocks.end() && *at == id) continue;
     held.blocks.insert(at, id);
@@ -231,6 +232,7 @@ void add_held_together(const topology::AuditedComplex& audited, const Settings& 
     held.free_area += free_area_of(complex, id);
     ++held.together;
   }
+  return true;
 }
 
 void decide_by_groups(const topology::AuditedComplex& complex, const Settings& settings, const KeyGroups& groups,

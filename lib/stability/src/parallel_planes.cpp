@@ -14,7 +14,6 @@ using geometry::Vec3;
 using topology::PlaneId;
 
 constexpr double largest_turn = 1e-8;  // rad: whatever the roundings, more is meant
-constexpr double cell_size = 4 * largest_turn;
 
 /// Where a direction lies on a grid, up to its sign.
 struct Cell {
@@ -42,12 +41,16 @@ struct Tilted {
 /// Planes by cell; each is in one, and looked for in all that it may have been turned from.
 class Grid final {
  public:
+  /// `most`: no plane was turned by more.
+  explicit Grid(double most) : cell_size_{4 * most} {}
   /// The first plane put in that is parallel but for roundings.
   [[nodiscard]] const Tilted* like(const Tilted& plane) const {
     for (const double sense : {1.0, -1.0}) {
       const Vec3 n = sense * plane.normal;
       for (unsigned corner = 0; corner < 8; ++corner) {
-        const auto shifted = [&](double v, unsigned bit) { return v + ((corner & bit) != 0 ? 0.5 : -0.5) * cell_size; };
+        const auto shifted = [&](double v, unsigned bit) {
+          return v + ((corner & bit) != 0 ? 0.5 : -0.5) * cell_size_;
+        };
         const auto found = planes_.find(cell_of({shifted(n.x, 1), shifted(n.y, 2), shifted(n.z, 4)}));
         if (found == planes_.end()) continue;
         for (const Tilted& other : found->second) {
@@ -60,10 +63,11 @@ class Grid final {
   void put(const Tilted& plane) { planes_[cell_of(plane.normal)].push_back(plane); }
 
  private:
-  static Cell cell_of(Vec3 n) {
-    const auto at = [](double v) { return static_cast<std::int64_t>(std::floor(v / cell_size)); };
+  [[nodiscard]] Cell cell_of(Vec3 n) const {
+    const auto at = [&](double v) { return static_cast<std::int64_t>(std::floor(v / cell_size_)); };
     return {at(n.x), at(n.y), at(n.z)};
   }
+  double cell_size_;
   std::unordered_map<Cell, std::vector<Tilted>, CellHash> planes_;
 };
 
@@ -73,10 +77,10 @@ Tilted tilted(const topology::BlockComplex& complex, PlaneId id, double by) {
 }
 
 /// Whether any two are about parallel and not exactly so.
-bool any_about_parallel(const topology::BlockComplex& complex) {
-  Grid grid;
+bool any_about_parallel(const topology::BlockComplex& complex, double most) {
+  Grid grid{most};
   for (std::uint32_t p = 0; p < complex.planes().size(); ++p) {
-    const Tilted plane = tilted(complex, PlaneId{p}, largest_turn);
+    const Tilted plane = tilted(complex, PlaneId{p}, most);
     const Tilted* other = grid.like(plane);
     if (other == nullptr) {
       grid.put(plane);
@@ -102,10 +106,11 @@ double turn_by(Length rounding, Area face) {
   return face.si() > 0 ? std::min(largest_turn, rounding.si() / std::sqrt(face.si())) : largest_turn;
 }
 
-IdVector<PlaneId, PlaneId> parallel_planes(const topology::BlockComplex& complex) {
+IdVector<PlaneId, PlaneId> parallel_planes(const topology::BlockComplex& complex, double taper) {
+  const double most = std::max(largest_turn, taper / 2);  // of each of two
   IdVector<PlaneId, PlaneId> like(complex.planes().size(), PlaneId{0U});
   for (std::uint32_t p = 0; p < like.size(); ++p) like[PlaneId{p}] = PlaneId{p};
-  if (!any_about_parallel(complex)) return like;
+  if (!any_about_parallel(complex, most)) return like;
   IdVector<PlaneId, Area> widest(complex.planes().size(), Area{});
   for (std::size_t f = 0; f < complex.faces().size(); ++f) {
     const topology::Face& face = complex.faces()[topology::FaceId{f}];
@@ -117,11 +122,11 @@ IdVector<PlaneId, PlaneId> parallel_planes(const topology::BlockComplex& complex
   std::vector<Tilted> planes;
   for (std::uint32_t p = 0; p < like.size(); ++p) {
     const Area area = widest[PlaneId{p}];
-    if (area > Area{}) planes.push_back(tilted(complex, PlaneId{p}, turn_by(rounding, area)));
+    if (area > Area{}) planes.push_back(tilted(complex, PlaneId{p}, std::max(turn_by(rounding, area), taper / 2)));
   }
   // The largest stand for the others.
   std::ranges::stable_sort(planes, {}, &Tilted::by);
-  Grid grid;
+  Grid grid{most};
   for (const Tilted& plane : planes) {
     if (const Tilted* other = grid.like(plane)) {
       like[plane.plane] = other->plane;

@@ -17,7 +17,6 @@
 #include "domain_held.hpp"
 #include "face_pressures.hpp"
 #include "free_faces.hpp"
-#include "strengths_over.hpp"
 #include "supported_body.hpp"
 #include "truncated_blocks.hpp"
 

@@ -399,8 +399,17 @@ enum class GroupsJudged : std::uint8_t {
   not_asked,  ///< groups = "off"
   too_many    ///< more blocks near free faces than are judged together
 };
+/// Blocks that miss their target but for what may not be there: sides of the domain, joints that close on them by next
+/// to nothing, what lies inside them. Nothing asks the support to hold them.
+struct NotAsked {
+  std::uint64_t count = 0;
+  Volume volume = {};
+  double lowest_factor_of_safety = std::numeric_limits<double>::infinity();  ///< without that, of those by themselves
+};
+
 struct SupportFigures {
   Targets targets = {};
+  NotAsked not_asked = {};
   bool block_by_block = false;  ///< every block reaches its target, alone and stitched to its neighbours
   GroupsJudged groups_judged = GroupsJudged::not_asked;
   /// What could not be judged does not pass; what was not asked is left out.
@@ -483,6 +492,13 @@ void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_
     when(x.failing_stages.has_value(), x.passes() && x.failing_stages && x.failing_stages->empty()),
     "so it is when all is excavated and after each stage, with what is installed by then");
   v("blocks", x.blocks, "blocks that by themselves are below their target without support");
+  v("not_asked", x.not_asked.count,
+    "beside them: blocks, in all states that were judged, that only sides of the domain, a slight taper of joints or "
+    "what lies inside them bring to their target: the support is not asked to hold them, see the notes");
+  v("not_asked_volume_m3", x.not_asked.volume);
+  v("not_asked_lowest_factor_of_safety",
+    when(std::isfinite(x.not_asked.lowest_factor_of_safety), x.not_asked.lowest_factor_of_safety),
+    "without those, of blocks by themselves");
   v("key_blocks_behind", x.key_blocks_behind,
     "beside them: key blocks that leave only after others have left, and so stay where those are held");
   v("turning", when(x.turning > 0, x.turning),
@@ -583,6 +599,8 @@ struct Figures {
   std::optional<MicroBlockFigures> micro_blocks;
 };
 
+/// Whether a judged block has less than its target.
+[[nodiscard]] bool below(const stability::Judgement& judgement, const Targets& target);
 [[nodiscard]] BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash);
 [[nodiscard]] KeyBlockFigures count_key_blocks(const stability::Analysis& analysis,
                                                const std::optional<Targets>& target = {});

@@ -192,7 +192,8 @@ struct CaseResult {
   std::optional<stability::KeyGroups> groups = {};       ///< blocks judged together, where the scene asks for it
   std::optional<stability::DomainHeld> held_alone = {};  ///< by the border of the domain, of blocks one by one
   std::optional<stability::DomainHeld> domain_held = {};
-  std::vector<stability::Barred> tapered = {};  ///< held by next to nothing
+  std::vector<stability::Barred> tapered = {};                   ///< held by next to nothing
+  std::optional<stability::KeyGroups> groups_below_target = {};  ///< as those of the base case, at its own target
 };
 
 /// The support checked under one named load case.
@@ -428,6 +429,8 @@ struct Realization : SampledScene {
   std::vector<CaseResult> load_cases = {};                ///< of [[load]], in scene order; the base case is `analysis`
   std::vector<stability::Sensitivity> sensitivity = {};   ///< of the blocks of the first batch
   std::vector<MaximumRow> maximum_blocks = {};
+  /// In all states, where a target is asked of blocks.
+  NotAsked not_asked = {};
   std::optional<stability::SupportResult> support = {};
   /// Spot bolts of the stages, each put in after the first that needs it.
   std::vector<stability::Bolt> spot_bolts_of_stages = {};

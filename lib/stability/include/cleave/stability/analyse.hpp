@@ -92,7 +92,13 @@ struct Settings {
   Actions actions = {};
   /// With `decide` parts of a block are enough to know that it stays only when they leave it no direction.
   RotationCheck rotation = RotationCheck::off;
+  /// Joint planes that are parallel but for less than this, metres a metre, count as parallel.
+  double taper_ignored = 0;
 };
+
+/// The settings with friction and cohesion divided by a factor > 0, as well as by their partial factors: what moves
+/// then has a lower factor of safety.
+[[nodiscard]] Settings with_strengths_over(const Settings& settings, double factor);
 
 /// Key blocks of the complex in batches, after Goodman & Shi (1985) with the mode found as the projection of the
 /// resultant (Fu 2014, ch. 4, corrected). Translation; rotation of single blocks where asked (`Settings::rotation`); no

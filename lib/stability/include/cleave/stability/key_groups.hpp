@@ -98,8 +98,8 @@ void decide_by_groups(const topology::AuditedComplex& complex, const Settings& s
                       Analysis& analysis);
 
 /// Adds to what single blocks gave (`domain_held`) the groups with a block of the border that move together, its sides
-/// smooth; `analysis` and `groups` say what has left. Of more blocks than `most` nothing is looked for.
-void add_held_together(const topology::AuditedComplex& complex, const Settings& settings, const Analysis& analysis,
+/// smooth; `analysis` and `groups` say what has left. Of more blocks than `most` nothing is looked for: false.
+bool add_held_together(const topology::AuditedComplex& complex, const Settings& settings, const Analysis& analysis,
                        const KeyGroups& groups, DomainHeld& held, const Together& most = most_noted);
 
 // ---- Support of groups ----------------------------------------------------------------------------------------------
