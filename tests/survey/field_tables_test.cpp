@@ -195,6 +195,46 @@ TEST(FieldTables, TablesOfShapeMetriX) {
   EXPECT_TRUE(error_of(poles, "Units,furlong\nDip,Dip Direction\n1,2\n").contains("units: are \"furlong\""));
 }
 
+// Lengths are in the unit that the table states above its header, but for columns that state their own.
+TEST(FieldTables, UnitsAboveTheTableAreThoseOfItsLengths) {
+  const std::string line = "[[scanline]]\nfile = \"t.csv\"\ntrend = 90\nplunge = 0\nlength = 20\n";
+  const auto place = [&](const std::string& toml, const std::string& table) {
+    const auto survey = parsed(toml, table);
+    if (!survey || survey->input.lines[0].positions.size() != 1) return std::pair{-1.0, -1.0};
+    const survey::LineSurvey& read = survey->input.lines[0];
+    return std::pair{read.positions[0], read.lengths[0]->length};
+  };
+  const auto in_feet = place(line, "Version,1\nUnits,ft\ndistance,length,ends\n10,5,2\n");
+  EXPECT_NEAR(in_feet.first, 3.048, 1e-12);
+  EXPECT_NEAR(in_feet.second, 1.524, 1e-12);
+  const auto own = place(line, "Units: mm\ndistance [m],length,ends\n10,500,2\n");
+  EXPECT_NEAR(own.first, 10, 1e-12);
+  EXPECT_NEAR(own.second, 0.5, 1e-12);
+  const auto stated = place(line + "columns = [\"distance\", \"length\"]\n", "Units,ft\ndistance,length\n10,5\n");
+  EXPECT_NEAR(stated.first, 3.048, 1e-12);
+  EXPECT_NEAR(place(line, "Units,m\ndistance,length,ends\n10,5,2\n").first, 10, 1e-12);
+}
+
+TEST(FieldTables, JointsWithoutAPlaceOnTheLineAreRefused) {
+  const std::string line = "[[scanline]]\nfile = \"t.csv\"\ntrend = 90\nplunge = 0\nlength = 20\n";
+  EXPECT_TRUE(error_of(line, "distance,dip,dip_direction\n1,80,85\n,82,95\n7,78,91\n")
+                  .contains("t.csv:3: distance: is empty; give metres along the line, or remove the row"))
+      << error_of(line, "distance,dip,dip_direction\n1,80,85\n,82,95\n7,78,91\n");
+}
+
+TEST(FieldTables, WindowsWhoseOutlineCrossesItselfAreRefused) {
+  const auto window = [](const std::string& corners) {
+    return error_of("[[window]]\ntraces = \"t.csv\"\npolygon = " + corners + "\n", "x1,y1,x2,y2\n1,1,2,2\n");
+  };
+  EXPECT_TRUE(window("[[0, 0], [10, 10], [10, 0], [0, 9]]")
+                  .contains("polygon: is an outline that crosses itself: side 1 crosses side 3; give the corners in "
+                            "their order round the window"))
+      << window("[[0, 0], [10, 10], [10, 0], [0, 9]]");
+  EXPECT_EQ(window("[[0, 0], [10, 0], [10, 10], [0, 9]]"), "taken");
+  EXPECT_EQ(window("[[0, 0], [10, 0], [5, 4], [10, 10], [0, 9]]"), "taken");  // not convex
+  EXPECT_EQ(window("[[0, 0], [10, 0], [10, 10], [0, 9], [0, 0]]"), "taken");  // closed by its first corner
+}
+
 // A trace length or a spacing beside orientations alone counts for nothing: that is said, and where it would count.
 TEST(FieldTables, ColumnsThatAreNotReadAreSaid) {
   const auto said = notes_of(poles, "ID,Dip,Dip Direction,Set,Trace Length,Spacing (m)\n1,55,40,J1,8.2,3.5\n");
