@@ -113,6 +113,8 @@ struct FittedSize {
   /// What a joint offers to be met: in windows the area of the places its trace may have times its size, on lines the
   /// square of its size; means.
   Estimate offered;
+  /// On lines with a truncation: the share of the joints met that is recorded.
+  std::optional<Estimate> recorded = {};
   double aic = 0;
   std::string method;
 };
@@ -142,11 +144,14 @@ struct SetResult {
   /// Of it, when it comes from a fitted law; the intervals are over all laws, as none is certain.
   std::optional<Estimate> size_mean, size_std;
   std::optional<Estimate> offered;  ///< as in FittedSize, of the law taken, over all laws
-  std::optional<Estimate> m2, m3;   ///< E L^2/E L and E L^3/E L whatever the law (lengths: 2S/m; best fit)
-  std::vector<Fit> spacings;        ///< along the lines, by AIC; `estimate_of` has their intervals
+  std::optional<Estimate> recorded = {};
+  std::optional<Estimate> m2, m3;  ///< E L^2/E L and E L^3/E L whatever the law (lengths: 2S/m; best fit)
+  std::vector<Fit> spacings;       ///< along the lines, by AIC; `estimate_of` has their intervals
   std::vector<double> gaps, seen_lengths;
   std::vector<Estimate> comparisons;  ///< formulas of Fu (2014) that are biased: for comparison only
   std::vector<std::string> notes;
+  /// Of them, what whoever takes P32 with the law of sizes must know.
+  std::vector<std::string> cautions = {};
 };
 
 struct LineResult {
