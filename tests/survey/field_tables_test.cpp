@@ -222,6 +222,42 @@ TEST(FieldTables, JointsWithoutAPlaceOnTheLineAreRefused) {
       << error_of(line, "distance,dip,dip_direction\n1,80,85\n,82,95\n7,78,91\n");
 }
 
+// Each pair of columns that a row fills counts, whatever the others are.
+TEST(FieldTables, ConventionsOfARowAreComparedAndStandInForEachOther) {
+  EXPECT_TRUE(error_of(poles, "dip,strike,trend,plunge\n35,120,10,70\n")
+                  .contains("trend and plunge and dip and strike of this row are not the same plane"));
+  expect_plane(read(poles, "dip,strike,trend,plunge\n35,120,30,55\n").at(0).normal, 35, 210);
+  expect_plane(read(poles, "dip,dip_direction,trend,plunge\n35,210,,\n").at(0).normal, 35, 210);
+  expect_plane(read(poles, "dip,dip_direction,strike\n35,,120\n").at(0).normal, 35, 210);
+}
+
+// Traces too short to be mapped are not drawn either, and sets.toml says of which joints its intensity is.
+TEST(FieldTables, SimulatedMapsAreTruncatedLikeTheWindow) {
+  std::string table = "x1,y1,x2,y2\n";
+  for (int i = 0; i < 60; ++i) {
+    const double x = 0.3 * i - 9, y = i % 7 - 3, half = 1 + 0.05 * ((i * 17) % 60);
+    table += std::to_string(x) + "," + std::to_string(y - half) + "," + std::to_string(x) + "," +
+             std::to_string(y + half) + "\n";
+  }
+  const auto survey = parsed(
+      "[[window]]\ntraces = \"t.csv\"\ncircle = { centre = [0, 0], radius = 10 }\ntruncation = 2\n"
+      "[[set]]\nname = \"A\"\ndip = 90\ndip_direction = 90\nkappa = 50\n",
+      table);
+  ASSERT_TRUE(survey.has_value());
+  survey::SurveyResult result = survey::analyse(survey->input);
+  for (const SimulatedTraceMaps& maps : simulated_trace_maps(*survey, result)) {
+    ASSERT_TRUE(maps.first.has_value());
+    for (const survey::SeenTrace& t : seen_through(survey->input.windows[0].window, *maps.first, 0)) {
+      EXPECT_GE(t.length, 2);
+    }
+  }
+  EXPECT_TRUE(sets_file(*survey, result).toml.contains("# P32 is that of joints with traces of 2 m and more"))
+      << sets_file(*survey, result).toml;
+  // Most joints of a wide gamma law are too small to have corners.
+  result.sets[0].size->family = survey::Family::gamma;
+  EXPECT_TRUE(sets_file(*survey, result).toml.contains(", min = ")) << sets_file(*survey, result).toml;
+}
+
 TEST(FieldTables, WindowsWhoseOutlineCrossesItselfAreRefused) {
   const auto window = [](const std::string& corners) {
     return error_of("[[window]]\ntraces = \"t.csv\"\npolygon = " + corners + "\n", "x1,y1,x2,y2\n1,1,2,2\n");

@@ -51,6 +51,7 @@ std::string size_text(const survey::SetResult& set) {
   text += fmt::format(", mean = {}", law.mean);
   if (law.family == survey::Family::constant) return text + " }";
   if (law.family != survey::Family::exponential) text += fmt::format(", std = {}", law.std);
+  if (law.family == survey::Family::gamma) text += fmt::format(", min = {}", smallest_size(set));
   return text + fmt::format(", max = {} }}", largest_size(set));
 }
 

@@ -39,6 +39,7 @@ class Analysis final {
       if (const SetRule* rule = rule_of(out_.sets[k])) out_.sets[k].shape = rule->shape;
       lines(k);
       windows(k);
+      caution_of_windows(out_.sets[k], truncation_of_windows(k));
       line_lengths(k);
       choose(k);
     }
@@ -516,8 +517,6 @@ class Analysis final {
           "traces below {} m were not mapped: the laws of lengths and sizes allow for it; figures from counts and sums "
           "are those of the longer ones",
           truncation));
-      set.cautions.push_back(
-          fmt::format("P32 is that of joints with traces of {} m and more, the size that of all", truncation));
     }
     const WindowCounts all = pooled(counts);
     Estimate sine{"", 1, 1, 1, "", ""};
@@ -561,6 +560,28 @@ class Analysis final {
       set.p30 =
           over({"", p30, p30 / half, p30 * half, "", ""}, sine, "P30", "P20 / (E[width across the traces] E sin V)");
     }
+  }
+
+  [[nodiscard]] double truncation_of_windows(std::size_t k) const {
+    double truncation = 0;
+    for (std::size_t w = 0; w < in_.windows.size(); ++w) {
+      if (std::ranges::count(trace_set_[w], std::optional{k}) > 0) {
+        truncation = std::max(truncation, in_.windows[w].truncation.si());
+      }
+    }
+    return truncation;
+  }
+
+  /// Of windows with a truncation: what stands beside P32 and the law of sizes.
+  void caution_of_windows(SetResult& set, double truncation) {
+    if (!(truncation > 0)) return;
+    std::string caution =
+        fmt::format("P32 is that of joints with traces of {} m and more, the size that of all", truncation);
+    if (set.size && set.p30 && set.p30->value) {
+      set.p32_of_all = *set.p30->value * shape_area(set.shape) * size_moment(*set.size, 2);
+      caution += fmt::format("; of all joints of this law it is {:.4g}", *set.p32_of_all);
+    }
+    set.cautions.push_back(std::move(caution));
   }
 
   /// Traces met by lines, where no window was mapped.

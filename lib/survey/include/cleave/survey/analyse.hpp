@@ -135,7 +135,9 @@ struct SetResult {
   std::optional<Estimate> p10_normal;  ///< joints per metre along the mean normal, from lines
   std::optional<Estimate> p20, p21, mean_length, mean_length_counts;
   std::optional<Estimate> p32_lines, p32_windows, p30;
-  std::optional<Estimate> p32;     ///< the one that sets.toml takes
+  std::optional<Estimate> p32;  ///< the one that sets.toml takes
+  /// P30 times the mean area, where windows have a truncation and P32 is that of the longer joints.
+  std::optional<double> p32_of_all = {};
   std::vector<FittedLaw> lengths;  ///< trace lengths, by AIC, best first
   ShapeRule shape;
   Chords chords;                     ///< of the shape along the set's traces, mean over the windows
