@@ -132,7 +132,7 @@ std::optional<std::string> unlike_lines_note(std::span<const LineSurvey> lines, 
   const bool alike = std::ranges::all_of(met, [&](const MetOnLine& m) {
     return lines[m.line].truncation.si() == lines[met.front().line].truncation.si();
   });
-  if (met.size() < 2 || !alike) return std::nullopt;
+  if (met.size() < 2) return std::nullopt;
   double joints = 0, length = 0;
   for (const MetOnLine& m : met) {
     joints += m.joints;
@@ -162,7 +162,8 @@ std::optional<std::string> unlike_lines_note(std::span<const LineSurvey> lines, 
   }
   if (classes < 2) return std::nullopt;
   const double p = special::chi_squared_above(square, classes - 1);
-  return p < level ? std::optional{unlike_note("lines", p, all)} : std::nullopt;
+  if (!(p < level)) return std::nullopt;
+  return unlike_note("lines", p, all) + (alike ? "" : "; their truncations differ, which may be part of it");
 }
 
 std::optional<std::string> unlike_windows_note(std::span<const WindowSurvey> windows,
