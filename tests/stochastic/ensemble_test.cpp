@@ -603,7 +603,8 @@ TEST(EnsembleTest, OrdersAreComparedWithinEachRealization) {
   EXPECT_DOUBLE_EQ(f.orders[1].key_m3_minus_first.mean, 1.0 / 3);  // -1, 0, 2
   EXPECT_NEAR(f.orders[1].key_m3_minus_first.standard_error, std::sqrt((16 + 1 + 25) / 9.0 / 2 / 3), 1e-12);
   EXPECT_DOUBLE_EQ(f.orders[0].key_m3_minus_first.mean, 0);
-  EXPECT_NEAR(f.orders[0].share_best, 2 / 3.0, 1e-12);  // the tie goes to the first
+  EXPECT_NEAR(f.orders[0].share_best, 0.5, 1e-12);  // of 0, 1/2 (a tie) and 1
+  EXPECT_NEAR(f.orders[1].share_best, 0.5, 1e-12);
 }
 
 // Load cases: the quantities of each, from the same realizations.

@@ -195,6 +195,82 @@ TEST(FieldTables, TablesOfShapeMetriX) {
   EXPECT_TRUE(error_of(poles, "Units,furlong\nDip,Dip Direction\n1,2\n").contains("units: are \"furlong\""));
 }
 
+// Lengths are in the unit that the table states above its header, but for columns that state their own.
+TEST(FieldTables, UnitsAboveTheTableAreThoseOfItsLengths) {
+  const std::string line = "[[scanline]]\nfile = \"t.csv\"\ntrend = 90\nplunge = 0\nlength = 20\n";
+  const auto place = [&](const std::string& toml, const std::string& table) {
+    const auto survey = parsed(toml, table);
+    if (!survey || survey->input.lines[0].positions.size() != 1) return std::pair{-1.0, -1.0};
+    const survey::LineSurvey& read = survey->input.lines[0];
+    return std::pair{read.positions[0], read.lengths[0]->length};
+  };
+  const auto in_feet = place(line, "Version,1\nUnits,ft\ndistance,length,ends\n10,5,2\n");
+  EXPECT_NEAR(in_feet.first, 3.048, 1e-12);
+  EXPECT_NEAR(in_feet.second, 1.524, 1e-12);
+  const auto own = place(line, "Units: mm\ndistance [m],length,ends\n10,500,2\n");
+  EXPECT_NEAR(own.first, 10, 1e-12);
+  EXPECT_NEAR(own.second, 0.5, 1e-12);
+  const auto stated = place(line + "columns = [\"distance\", \"length\"]\n", "Units,ft\ndistance,length\n10,5\n");
+  EXPECT_NEAR(stated.first, 3.048, 1e-12);
+  EXPECT_NEAR(place(line, "Units,m\ndistance,length,ends\n10,5,2\n").first, 10, 1e-12);
+}
+
+TEST(FieldTables, JointsWithoutAPlaceOnTheLineAreRefused) {
+  const std::string line = "[[scanline]]\nfile = \"t.csv\"\ntrend = 90\nplunge = 0\nlength = 20\n";
+  EXPECT_TRUE(error_of(line, "distance,dip,dip_direction\n1,80,85\n,82,95\n7,78,91\n")
+                  .contains("t.csv:3: distance: is empty; give metres along the line, or remove the row"))
+      << error_of(line, "distance,dip,dip_direction\n1,80,85\n,82,95\n7,78,91\n");
+}
+
+// Each pair of columns that a row fills counts, whatever the others are.
+TEST(FieldTables, ConventionsOfARowAreComparedAndStandInForEachOther) {
+  EXPECT_TRUE(error_of(poles, "dip,strike,trend,plunge\n35,120,10,70\n")
+                  .contains("trend and plunge and dip and strike of this row are not the same plane"));
+  expect_plane(read(poles, "dip,strike,trend,plunge\n35,120,30,55\n").at(0).normal, 35, 210);
+  expect_plane(read(poles, "dip,dip_direction,trend,plunge\n35,210,,\n").at(0).normal, 35, 210);
+  expect_plane(read(poles, "dip,dip_direction,strike\n35,,120\n").at(0).normal, 35, 210);
+}
+
+// Traces too short to be mapped are not drawn either, and sets.toml says of which joints its intensity is.
+TEST(FieldTables, SimulatedMapsAreTruncatedLikeTheWindow) {
+  std::string table = "x1,y1,x2,y2\n";
+  for (int i = 0; i < 60; ++i) {
+    const double x = 0.3 * i - 9, y = i % 7 - 3, half = 1 + 0.05 * ((i * 17) % 60);
+    table += std::to_string(x) + "," + std::to_string(y - half) + "," + std::to_string(x) + "," +
+             std::to_string(y + half) + "\n";
+  }
+  const auto survey = parsed(
+      "[[window]]\ntraces = \"t.csv\"\ncircle = { centre = [0, 0], radius = 10 }\ntruncation = 2\n"
+      "[[set]]\nname = \"A\"\ndip = 90\ndip_direction = 90\nkappa = 50\n",
+      table);
+  ASSERT_TRUE(survey.has_value());
+  survey::SurveyResult result = survey::analyse(survey->input);
+  for (const SimulatedTraceMaps& maps : simulated_trace_maps(*survey, result)) {
+    ASSERT_TRUE(maps.first.has_value());
+    for (const survey::SeenTrace& t : seen_through(survey->input.windows[0].window, *maps.first, 0)) {
+      EXPECT_GE(t.length, 2);
+    }
+  }
+  EXPECT_TRUE(sets_file(*survey, result).toml.contains("# P32 is that of joints with traces of 2 m and more"))
+      << sets_file(*survey, result).toml;
+  // Most joints of a wide gamma law are too small to have corners.
+  result.sets[0].size->family = survey::Family::gamma;
+  EXPECT_TRUE(sets_file(*survey, result).toml.contains(", min = ")) << sets_file(*survey, result).toml;
+}
+
+TEST(FieldTables, WindowsWhoseOutlineCrossesItselfAreRefused) {
+  const auto window = [](const std::string& corners) {
+    return error_of("[[window]]\ntraces = \"t.csv\"\npolygon = " + corners + "\n", "x1,y1,x2,y2\n1,1,2,2\n");
+  };
+  EXPECT_TRUE(window("[[0, 0], [10, 10], [10, 0], [0, 9]]")
+                  .contains("polygon: is an outline that crosses itself: side 1 crosses side 3; give the corners in "
+                            "their order round the window"))
+      << window("[[0, 0], [10, 10], [10, 0], [0, 9]]");
+  EXPECT_EQ(window("[[0, 0], [10, 0], [10, 10], [0, 9]]"), "taken");
+  EXPECT_EQ(window("[[0, 0], [10, 0], [5, 4], [10, 10], [0, 9]]"), "taken");  // not convex
+  EXPECT_EQ(window("[[0, 0], [10, 0], [10, 10], [0, 9], [0, 0]]"), "taken");  // closed by its first corner
+}
+
 // A trace length or a spacing beside orientations alone counts for nothing: that is said, and where it would count.
 TEST(FieldTables, ColumnsThatAreNotReadAreSaid) {
   const auto said = notes_of(poles, "ID,Dip,Dip Direction,Set,Trace Length,Spacing (m)\n1,55,40,J1,8.2,3.5\n");

@@ -15,6 +15,7 @@
 #include "parse_orientations.hpp"
 #include "survey_rows.hpp"
 #include "survey_table.hpp"
+#include "window_outline.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -174,7 +175,7 @@ class SurveyParser final {
     lengths_ = {};
     for (const SurveyTable::Row& row : data->rows) {
       const std::size_t before = context_.problems.errors();
-      const auto at = cell_number(context_, *file, *data, row, "distance");
+      const auto at = distance_of(*file, *data, row);
       if (at && (*at < 0 || *at > line.length() * (1 + 1e-9))) {
         context_.problems.error_in(file->shown, row.line, "distance",
                                    fmt::format("is {} m, outside the line of {} m", *at, line.length()),
@@ -298,6 +299,13 @@ class SurveyParser final {
       table.error(table.one_of()->key, "has no area", "give a window with an area");
       return;
     }
+    if (const auto crossing = sides_that_cross(*shape)) {
+      table.error(table.one_of()->key,
+                  fmt::format("is an outline that crosses itself: side {} crosses side {}", crossing->first + 1,
+                              crossing->second + 1),
+                  "give the corners in their order round the window");
+      return;
+    }
     // Map coordinates of millions of metres lose digits in products: everything is taken about the window.
     const survey::MapPoint origin = std::visit(
         [](const auto& w) {
@@ -361,6 +369,15 @@ class SurveyParser final {
   }
 
  private:
+  /// Where on the line the joint of a row is; one without a place would be lost.
+  std::optional<double> distance_of(const LoadedFile& file, const SurveyTable& table, const SurveyTable::Row& row) {
+    if (row.cells[*table.column("distance")].empty()) {
+      context_.problems.error_in(file.shown, row.line, "distance", "is empty",
+                                 "give metres along the line, or remove the row");
+    }
+    return cell_number(context_, file, table, row, "distance");
+  }
+
   /// Length of the trace that a row states, and how many of its ends were seen (column `ends`; none: both).
   std::optional<survey::SeenLength> length_of(const LoadedFile& file, const SurveyTable& table,
                                               const SurveyTable::Row& row, Length truncation) {

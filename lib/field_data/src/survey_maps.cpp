@@ -21,6 +21,8 @@ double largest_size(const survey::SetResult& set) {
   return std::max(10 * set.size->mean, 3 * longest / set.chords.disc.value_or(1));
 }
 
+double smallest_size(const survey::SetResult& set) { return 1e-3 * set.size->mean; }
+
 bool usable(const survey::SetResult& set) {
   return (set.joints > 0 || set.orientation_stated) && set.p32 && set.p32->value && *set.p32->value > 0;
 }
@@ -43,6 +45,7 @@ dfn::SizeSpec size_spec(const survey::SetResult& set) {
     case survey::Family::gamma:
       spec.distribution = dfn::SizeDistribution::gamma;
       spec.std = metres(set.size->std);
+      spec.min = metres(smallest_size(set));
       break;
     case survey::Family::power:
       spec.distribution = dfn::SizeDistribution::power;
@@ -105,7 +108,7 @@ std::optional<std::vector<survey::Polyline>> simulated_traces(const SurveyScene&
     }
     auto joints = dfn::JointSet::make({std::move(law), shape_of(set, *size),
                                        dfn::FixedRotation{dfn::Rotation::degrees(set.shape.rotation)},
-                                       dfn::P32{*set.p32->value}});
+                                       dfn::P32{set.p32_of_all.value_or(*set.p32->value)}});
     if (!joints) return std::nullopt;
     auto sampled = dfn::sample(*joints, k, box, survey.input.seed, realization);
     if (!sampled) return std::nullopt;
@@ -171,11 +174,24 @@ struct DrawnMap {
   std::optional<std::vector<survey::Polyline>> traces;  ///< of the first map
 };
 
+/// Without those of which the window shows less than its truncation: they would not have been mapped.
+void mapped_only(const survey::WindowSurvey& window, std::vector<survey::Polyline>& traces) {
+  if (!(window.truncation.si() > 0)) return;
+  std::vector<double> seen(traces.size());
+  for (const survey::SeenTrace& t : seen_through(window.window, traces, 0)) seen[t.trace] += t.length;
+  std::vector<survey::Polyline> kept;
+  for (std::size_t i = 0; i < traces.size(); ++i) {
+    if (seen[i] >= window.truncation.si()) kept.push_back(std::move(traces[i]));
+  }
+  traces = std::move(kept);
+}
+
 std::vector<DrawnMap> drawn_maps(const SurveyScene& survey, const survey::SurveyResult& result, std::size_t window,
                                  std::uint64_t maps) {
   auto drawn = parallel_map(maps, ThreadLimit::all(), [&](std::size_t k) -> std::optional<DrawnMap> {
     auto traces = simulated_traces(survey, result, window, k);
     if (!traces || traces->empty()) return std::nullopt;
+    mapped_only(survey.input.windows[window], *traces);
     DrawnMap map{map_figures(survey.input.windows[window], *traces, 0, survey.input.confidence), {}};
     if (k == 0) map.traces = std::move(traces);
     return map;

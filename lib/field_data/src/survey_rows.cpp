@@ -132,18 +132,43 @@ bool states_orientation(const SurveyTable& table, const SurveyTable::Row& row) {
     const auto at = table.column(name);
     return at && !row.cells[*at].empty();
   };
-  if (table.column("trend") && table.column("plunge")) return filled("trend") && filled("plunge");
+  if (filled("trend") && filled("plunge")) return true;
   return filled("dip") && (filled("dip_direction") || filled("strike"));
+}
+
+std::optional<Vec3> normal_of_dip(InputContext& context, const LoadedFile& file, const SurveyTable& table,
+                                  const SurveyTable::Row& row, const RowRules& rules) {
+  bool swapped = false;
+  const auto plain = [&](string_view name) { return plain_number(table, row, name); };
+  const auto value = [&](string_view name, double high) {
+    return angle(context, file, row, name, cell_number(context, file, table, row, name), high, rules.wrap, swapped);
+  };
+  const bool by_strike = !table.column("dip_direction") || row.cells[*table.column("dip_direction")].empty();
+  if (!rules.wrap) swapped = looks_swapped(plain("dip"), plain(by_strike ? "strike" : "dip_direction"));
+  const auto dip = value("dip", 90), strike = value("strike", 360);
+  auto direction = by_strike ? strike : value("dip_direction", 360);
+  if (!dip || !direction) return std::nullopt;
+  if (by_strike) {
+    *direction = geometry::wrap_degrees(*direction + 90);
+  } else if (strike && std::abs(std::remainder(*strike + 90 - *direction, 360)) > 1.5) {
+    // Of directions, not of planes: near level planes would always agree.
+    context.problems.error_in(
+        file.shown, row.line, "strike",
+        fmt::format("{} does not belong to dip_direction {} by the right-hand rule (dip direction "
+                    "- 90)",
+                    *strike, *direction),
+        "correct the row, or remove one of the two columns");
+    return std::nullopt;
+  }
+  return upwards(normal_of(context, *dip, *direction + rules.declination));
 }
 
 }  // namespace
 
 std::optional<Vec3> normal_of_row(InputContext& context, const LoadedFile& file, const SurveyTable& table,
                                   const SurveyTable::Row& row, const RowRules& rules) {
-  const bool wrap = rules.wrap;
-  bool swapped = false;
   const auto value = [&](string_view name, double high) {
-    return angle(context, file, row, name, cell_number(context, file, table, row, name), high, wrap, swapped);
+    return angle(context, file, row, name, cell_number(context, file, table, row, name), high, rules.wrap, false);
   };
   if (rules.core && has_core_angles(table)) {
     const auto alpha = value("alpha", 90), beta = value("beta", 360);
@@ -156,44 +181,25 @@ std::optional<Vec3> normal_of_row(InputContext& context, const LoadedFile& file,
     if (!stated || !core_agrees(context, file, row, normal, *stated)) return std::nullopt;
     return normal;
   }
-  if (table.column("trend") && table.column("plunge")) {
-    const auto trend = value("trend", 360), plunge = value("plunge", 90);
-    if (!trend || !plunge) return std::nullopt;
-    const Vec3 normal = upwards(line_of(context, *trend + rules.declination, *plunge));
-    if (table.column("dip") && table.column("dip_direction")) {
-      const auto dip = value("dip", 90), direction = value("dip_direction", 360);
-      if (dip && direction &&
-          !agree(context, file, row, "trend", normal, normal_of(context, *dip, *direction + rules.declination),
-                 "trend and plunge", "dip and dip_direction")) {
-        return std::nullopt;
-      }
-    }
-    return normal;
+  const auto filled = [&](string_view name) {
+    const auto at = table.column(name);
+    return at && !row.cells[*at].empty();
+  };
+  const bool dips = filled("dip") && (filled("dip_direction") || filled("strike"));
+  const bool poles = table.column("trend") && table.column("plunge");
+  if (!poles || (dips && !filled("trend") && !filled("plunge"))) {
+    return normal_of_dip(context, file, table, row, rules);
   }
-  const string_view bearing = table.column("dip_direction") ? "dip_direction" : "strike";
-  if (table.column("dip") && !wrap) {
-    const auto plain = [&](string_view name) { return plain_number(table, row, name); };
-    swapped = looks_swapped(plain("dip"), plain(bearing));
+  const auto trend = value("trend", 360), plunge = value("plunge", 90);
+  if (!trend || !plunge) return std::nullopt;
+  const Vec3 normal = upwards(line_of(context, *trend + rules.declination, *plunge));
+  if (!dips) return normal;
+  const auto dipping = normal_of_dip(context, file, table, row, rules);
+  if (!dipping || !agree(context, file, row, "trend", normal, *dipping, "trend and plunge",
+                         filled("dip_direction") ? "dip and dip_direction" : "dip and strike")) {
+    return std::nullopt;
   }
-  const auto dip = value("dip", 90);
-  auto direction = table.column("dip_direction") ? value("dip_direction", 360) : value("strike", 360);
-  if (!dip || !direction) return std::nullopt;
-  if (!table.column("dip_direction")) {
-    *direction = geometry::wrap_degrees(*direction + 90);
-  } else if (table.column("strike")) {
-    const auto strike = value("strike", 360);
-    // Of directions, not of planes: near level planes would always agree.
-    if (strike && std::abs(std::remainder(*strike + 90 - *direction, 360)) > 1.5) {
-      context.problems.error_in(
-          file.shown, row.line, "strike",
-          fmt::format("{} does not belong to dip_direction {} by the right-hand rule (dip direction "
-                      "- 90)",
-                      *strike, *direction),
-          "correct the row, or remove one of the two columns");
-      return std::nullopt;
-    }
-  }
-  return upwards(normal_of(context, *dip, *direction + rules.declination));
+  return normal;
 }
 
 void note_radians(InputContext& context, const LoadedFile& file, const SurveyTable& table) {

@@ -51,6 +51,7 @@ std::string size_text(const survey::SetResult& set) {
   text += fmt::format(", mean = {}", law.mean);
   if (law.family == survey::Family::constant) return text + " }";
   if (law.family != survey::Family::exponential) text += fmt::format(", std = {}", law.std);
+  if (law.family == survey::Family::gamma) text += fmt::format(", min = {}", smallest_size(set));
   return text + fmt::format(", max = {} }}", largest_size(set));
 }
 
@@ -131,6 +132,7 @@ SetsFile sets_file(const SurveyScene& survey, const survey::SurveyResult& result
     } else {
       file.toml += fmt::format("size = \"persistent\"   # {}\n", reason_of_no_size(survey.input, set));
     }
+    for (const std::string& caution : set.cautions) file.toml += "# " + on_one_line(caution) + "\n";
     file.toml += fmt::format("intensity = {{ p32 = {} }}   # 1/m, {:.3g} to {:.3g}; {}\n", *set.p32->value,
                              set.p32->low, set.p32->high, set.p32->method);
   }

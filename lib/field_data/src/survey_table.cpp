@@ -131,15 +131,17 @@ std::optional<std::size_t> SurveyTable::column(string_view name) const {
 namespace {
 
 /// What stands before the header of tables that other programs write: "Version, 1", "Units, m", "Declination, 2.5".
+/// `lengths`: the unit that it states for these.
 bool is_preamble(InputContext& context, const LoadedFile& file, std::uint32_t line,
-                 const std::vector<std::string>& cells) {
+                 const std::vector<std::string>& cells, const Unit*& lengths) {
   const std::string word = lower(string_view{cells.front()}.substr(0, cells.front().find(':')));
   const bool known = word.starts_with("version") || word == "units" || word == "unit" || word == "declination";
   const std::size_t colon = cells.front().find(':');
   if (!known || (cells.size() != 2 && colon == std::string::npos)) return false;
   const std::string value{
       bare(cells.size() == 2 ? string_view{cells[1]} : string_view{cells.front()}.substr(colon + 1))};
-  if (word.starts_with("unit") && find_unit("m", value) == nullptr && !lower(value).starts_with("met")) {
+  if (word.starts_with("unit")) lengths = find_unit("m", value);
+  if (word.starts_with("unit") && lengths == nullptr && !lower(value).starts_with("met")) {
     context.problems.error_in(file.shown, line, "units", fmt::format("are \"{}\"", value.substr(0, 40)),
                               "convert the table to metres, or state the units behind the columns' names");
   }
@@ -175,6 +177,7 @@ class SurveyTableReader final {
       if (next == Next::end) break;
     }
     if (faults_ > 0) return std::nullopt;
+    take_lengths();
     if (table_.rows.empty() && (!may_be_empty_ || table_.columns.empty())) {
       context_.problems.error_in(file_.shown, 1, "file", "holds no measurements", "add a line for each joint");
       return std::nullopt;
@@ -198,12 +201,23 @@ class SurveyTableReader final {
     return std::ranges::any_of(cells, [](const std::string& c) { return number_of(c).has_value(); });
   }
 
-  Next header(std::uint32_t line, const std::vector<std::string>& cells) {
-    if (is_preamble(context_, file_, line, cells)) {
-      preamble_ = true;
-      table_.separator = 0;
-      return Next::more;
+  bool before_header(std::uint32_t line, const std::vector<std::string>& cells) {
+    if (!is_preamble(context_, file_, line, cells, lengths_)) return false;
+    preamble_ = true;
+    table_.separator = 0;
+    return true;
+  }
+
+  /// The unit above the table is that of all lengths that have none of their own.
+  void take_lengths() {
+    if (lengths_ == nullptr) return;
+    for (std::size_t k = 0; k < table_.columns.size(); ++k) {
+      if (unit_of(table_.columns[k]) == "m" && table_.units[k] == nullptr) table_.units[k] = lengths_;
     }
+  }
+
+  Next header(std::uint32_t line, const std::vector<std::string>& cells) {
+    if (before_header(line, cells)) return Next::more;
     if (holds_numbers(cells)) {
       context_.problems.error_in(file_.shown, line, "columns",
                                  "the table has no header: both orders of dip and dip direction are in use",
@@ -220,6 +234,7 @@ class SurveyTableReader final {
       context_.problems.note_in(file_.shown, line, "file", "what follows the joints is not read", "");
       return Next::end;
     }
+    if (table_.rows.empty() && columns_stated && before_header(line, cells)) return Next::more;
     if (table_.rows.empty() && columns_stated && !holds_numbers(cells)) return Next::more;  // a header all the same
     if (const auto fault = io::fault_of_row(cells, table_.columns.size(), table_.separator, columns_are_)) {
       context_.problems.error_in(file_.shown, line, "row", fault->what, fault->remedy);
@@ -234,6 +249,7 @@ class SurveyTableReader final {
   bool may_be_empty_, preamble_ = false;
   string_view columns_are_;
   std::size_t faults_ = 0;
+  const Unit* lengths_ = nullptr;  ///< stated above the header
   SurveyTable table_;
 };
 

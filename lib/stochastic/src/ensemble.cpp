@@ -115,7 +115,9 @@ std::vector<double> Ensemble::numbers_of(const Record& record) const {
     numbers.push_back(pressure_over_area(record) > pressure ? 1 : 0);
     numbers.push_back(record.largest_pressure_pa > pressure ? 1 : 0);
   }
-  const auto least = std::ranges::min_element(record.orders, {}, &OrderTally::key_m3);
+  double least = INFINITY;
+  for (const OrderTally& order : record.orders) least = std::min(least, order.key_m3);
+  const auto best = std::ranges::count(record.orders, least, &OrderTally::key_m3);
   for (std::size_t i = 0; i < orders_.size(); ++i) {
     const OrderTally order = i < record.orders.size() ? record.orders[i] : OrderTally{};
     const OrderTally first = record.orders.empty() ? OrderTally{} : record.orders.front();
@@ -123,7 +125,7 @@ std::vector<double> Ensemble::numbers_of(const Record& record) const {
     numbers.push_back(order.key_m3);
     numbers.push_back(number(order.key_blocks) - number(first.key_blocks));
     numbers.push_back(order.key_m3 - first.key_m3);
-    numbers.push_back(static_cast<std::size_t>(least - record.orders.begin()) == i ? 1 : 0);
+    numbers.push_back(i < record.orders.size() && order.key_m3 == least ? 1 / static_cast<double>(best) : 0);
   }
   for (std::size_t i = 0; i < cases_.size(); ++i) {
     const Record under = under_case(record, i);

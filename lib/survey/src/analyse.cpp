@@ -12,6 +12,7 @@
 #include "cleave/survey/comparison.hpp"
 #include "line.hpp"
 #include "lines_and_windows.hpp"
+#include "over_poles.hpp"
 #include "set_laws.hpp"
 #include "trace_sets.hpp"
 #include "unoriented.hpp"
@@ -38,6 +39,7 @@ class Analysis final {
       if (const SetRule* rule = rule_of(out_.sets[k])) out_.sets[k].shape = rule->shape;
       lines(k);
       windows(k);
+      caution_of_windows(out_.sets[k], truncation_of_windows(k));
       line_lengths(k);
       choose(k);
     }
@@ -140,6 +142,14 @@ class Analysis final {
       set.weights.push_back(weights_[i]);
     }
     set.joints = set.normals.size();
+    const SetRule* rule = rule_of(set);
+    if (rule != nullptr && rule->dip && set.joints < joints_of_a_law) {
+      state(set, *rule);
+      if (set.orientation_stated) {
+        if (set.joints > 0) set.notes.push_back(stands_note(set));
+        return;
+      }
+    }
     if (!set.normals.empty()) {
       set.orientation = fit_fisher(set.normals, set.weights, in_.confidence, in_.weight_cap, ways_met(k));
       if (std::isinf(set.orientation.kappa)) {
@@ -164,10 +174,41 @@ class Analysis final {
         set.bingham = fit_bingham(set.normals, set.weights, in_.confidence);
         set.notes.emplace_back("Fisher's law is refused for these poles: sets.toml draws from the measured ones");
       }
-      return;
+      if (rule != nullptr && rule->dip) set.notes.push_back(measured_note(set, *rule));
     }
-    const SetRule* rule = rule_of(set);
-    if (rule != nullptr && rule->dip) state(set, *rule);
+  }
+
+  /// So many joints measured take the place of an orientation that is stated: Fisher's law can be tested with them.
+  static constexpr std::size_t joints_of_a_law = 5;
+
+  static double apart(Vec3 one, Vec3 other) { return std::acos(std::min(1.0, std::abs(dot(one, other)))) * degrees; }
+
+  [[nodiscard]] static std::string plane_of(Vec3 normal, double north) {
+    const geometry::Attitude plane = compass_attitude(normal, north);
+    return fmt::format("{:.0f}/{:03.0f}", plane.dip.degrees(), plane.direction.degrees());
+  }
+
+  /// Of few joints measured beside a stated orientation.
+  [[nodiscard]] static std::string stands_note(const SetResult& set) {
+    const Vec3 mean = fit_fisher(set.normals, set.weights).mean;
+    return fmt::format(
+        "the orientation stated, {}, stands: {} measured (mean {}, {:.0f} degrees off it), and {} or more take its "
+        "place",
+        plane_of(set.orientation.mean, set.north),
+        set.joints == 1 ? "one joint was" : fmt::format("{} joints were", set.joints), plane_of(mean, set.north),
+        apart(mean, set.orientation.mean), joints_of_a_law);
+  }
+
+  /// Of joints enough to take the place of what is stated.
+  [[nodiscard]] std::string measured_note(const SetResult& set, const SetRule& rule) const {
+    std::string note = fmt::format("the orientation is that of the {} joints measured, {}", set.joints,
+                                   plane_of(set.orientation.mean, set.north));
+    if (!rule.dip_direction) {
+      return note + fmt::format("; the dip stated, {:.0f} degrees, is not used", rule.dip->degrees());
+    }
+    const Vec3 stated = geometry::upward_normal({*rule.dip, *rule.dip_direction});
+    return note + fmt::format("; the one stated, {}, {:.0f} degrees off it, is not used", plane_of(stated, set.north),
+                              apart(stated, set.orientation.mean));
   }
 
   /// The dip is stated; direction and concentration too, or they are those of the traces.
@@ -326,13 +367,43 @@ class Analysis final {
   }
 
   static bool has_mean(const SetResult& set) { return set.joints > 0 || set.orientation_stated; }
+  /// Of Fisher's law where it holds, else of the poles as they were measured.
+  static bool by_poles(const SetResult& set) {
+    return !set.orientation.fisher && !set.orientation_stated && !set.normals.empty();
+  }
+  static double length_along(Vec3 normal, const LineSurvey& line) {
+    double sum = 0;
+    for (const auto& [direction, length] : line.pieces) sum += length * std::abs(dot(normal, direction));
+    return sum;
+  }
+  static double length_by_law(Vec3 mean, double kappa, const LineSurvey& line) {
+    double sum = 0;
+    for (const auto& [direction, length] : line.pieces) sum += length * mean_line_cosine(mean, kappa, direction);
+    return sum;
+  }
   /// Length of a line times E|n.l| of a set.
   static double length_met(const SetResult& set, const LineSurvey& line) {
-    double sum = 0;
-    for (const auto& [direction, length] : line.pieces) {
-      sum += length * mean_line_cosine(set.orientation.mean, set.orientation.kappa, direction);
+    if (!by_poles(set)) return length_by_law(set.orientation.mean, set.orientation.kappa, line);
+    return detail::mean_over_poles(set.normals, set.weights, [&](Vec3 n) { return length_along(n, line); });
+  }
+  /// Of all lines, with its interval; `along_normal`: over E|n.n0|, which makes joints per metre along the mean normal
+  /// n0 of the joints met.
+  [[nodiscard]] Estimate length_of_lines(const SetResult& set, bool along_normal) const {
+    if (by_poles(set)) {
+      return detail::over_poles(
+          set.normals, set.weights,
+          [&](Vec3 n) {
+            double sum = 0;
+            for (const LineSurvey& line : in_.lines) sum += length_along(n, line);
+            return sum;
+          },
+          [&](Vec3 n) { return along_normal ? std::abs(dot(n, set.orientation.mean)) : 1; }, in_.confidence);
     }
-    return sum;
+    return over_orientations(set, [&](Vec3 mean, double kappa) {
+      double sum = 0;
+      for (const LineSurvey& line : in_.lines) sum += length_by_law(mean, kappa, line);
+      return along_normal ? sum / mean_line_cosine(mean, kappa, mean) : sum;
+    });
   }
 
   void lines(std::size_t k) {
@@ -344,21 +415,10 @@ class Analysis final {
       for (std::size_t i = 0; i < line.positions.size(); ++i) {
         if (line_sets_[l][i] == k) positions.push_back(line.positions[i]);
       }
-      const double cosine = std::abs(dot(set.orientation.mean, line.direction_at(line.length() / 2)));
-      for (const double gap : gaps_of(std::move(positions))) set.gaps.push_back(gap * cosine);
+      const std::vector<double> gaps = detail::gaps_across(line, std::move(positions), set.orientation.mean);
+      set.gaps.insert(set.gaps.end(), gaps.begin(), gaps.end());
     }
-    const auto over_pieces = [&](auto&& cosine) {
-      double sum = 0;
-      for (const LineSurvey& line : in_.lines) {
-        for (const auto& [direction, length] : line.pieces) sum += length * cosine(direction);
-      }
-      return sum;
-    };
-    const Estimate normal_length = over_orientations(
-        set, [&](Vec3 mean, double) { return over_pieces([&](Vec3 l) { return std::abs(dot(mean, l)); }); });
-    const Estimate area_length = over_orientations(set, [&](Vec3 mean, double kappa) {
-      return over_pieces([&](Vec3 l) { return mean_line_cosine(mean, kappa, l); });
-    });
+    const Estimate normal_length = length_of_lines(set, true), area_length = length_of_lines(set, false);
     const std::size_t known = shared_.known[k];
     if (known == 0 || !(*area_length.value > 0)) return;
     const double joints = static_cast<double>(known) + shared_.shared[k];
@@ -371,9 +431,10 @@ class Analysis final {
                       known, shared_.shared[k], shared_.unknown, joints / static_cast<double>(known)));
     }
     set.p10_normal = over(met, normal_length, "P10 along the mean normal",
-                          "sum N / sum(L |n.l|), exact Poisson interval with the error of the orientation");
+                          "sum N E|n.n0| / sum(L E|n.l|), exact Poisson interval with the error of the orientation");
     set.p32_lines = over(met, area_length, "P32",
                          "sum N / sum(L E|n.l|), exact Poisson interval with the error of the orientation");
+    if (auto note = detail::unlike_lines_note(in_.lines, met_on_lines(k))) set.notes.push_back(*std::move(note));
     for (const Family family : {Family::exponential, Family::lognormal, Family::gamma}) {
       if (auto fit = fit_complete(set.gaps, family, set.gaps.size() <= 500 ? 199 : 0, in_.seed)) {
         set.spacings.push_back(*std::move(fit));
@@ -386,6 +447,18 @@ class Analysis final {
     }
   }
 
+  /// Joints of a set on each line, and what the line offers them to be met; of lines of which each joint's set is
+  /// known.
+  [[nodiscard]] std::vector<detail::MetOnLine> met_on_lines(std::size_t k) const {
+    std::vector<detail::MetOnLine> met;
+    for (std::size_t l = 0; l < in_.lines.size(); ++l) {
+      if (std::ranges::any_of(line_sets_[l], [](const auto& set) { return !set; })) continue;
+      met.push_back({l, static_cast<double>(std::ranges::count(line_sets_[l], std::optional{k})),
+                     length_met(out_.sets[k], in_.lines[l])});
+    }
+    return met;
+  }
+
   /// From the strike to the set's traces in the joints' plane, degrees counter-clockwise seen from above.
   static double trace_angle(const SetResult& set, const WindowSurvey& window) {
     const Vec3 normal = set.orientation.mean, trace = cross(normal, window.normal);
@@ -393,6 +466,15 @@ class Analysis final {
     if (norm(trace) < 1e-9 || steep < 1e-9) return 0;
     const Vec3 strike = Vec3{-normal.y, normal.x, 0} / steep;
     return std::atan2(dot(trace, cross(normal, strike)), dot(trace, strike)) * degrees;
+  }
+
+  /// E sin V of a set on each window; 1 where its orientation is not known.
+  [[nodiscard]] std::vector<double> sines_of(const SetResult& set) const {
+    std::vector<double> sines;
+    for (const WindowSurvey& window : in_.windows) {
+      sines.push_back(has_mean(set) ? mean_plane_sine(set.orientation.mean, set.orientation.kappa, window.normal) : 1);
+    }
+    return sines;
   }
 
   void windows(std::size_t k) {
@@ -438,15 +520,16 @@ class Analysis final {
     }
     const WindowCounts all = pooled(counts);
     Estimate sine{"", 1, 1, 1, "", ""};
-    if (set.joints > 0 || set.orientation_stated) {
+    if (has_mean(set)) {
       sine = over_orientations(set, [&](Vec3 mean, double kappa) {
-        double sines = 0;
+        double weighed = 0;
         for (std::size_t w = 0; w < counts.size(); ++w) {
-          sines += counts[w].area * mean_plane_sine(mean, kappa, in_.windows[w].normal);
+          weighed += counts[w].area * mean_plane_sine(mean, kappa, in_.windows[w].normal);
         }
-        return sines / all.area;
+        return weighed / all.area;
       });
     }
+    if (auto note = detail::unlike_windows_note(in_.windows, counts, sines_of(set))) set.notes.push_back(*note);
     set.p20 = p20(all, in_.confidence);
     set.p21 = p21(all, in_.confidence);
     set.mean_length = mean_length(all, in_.confidence);
@@ -479,6 +562,28 @@ class Analysis final {
     }
   }
 
+  [[nodiscard]] double truncation_of_windows(std::size_t k) const {
+    double truncation = 0;
+    for (std::size_t w = 0; w < in_.windows.size(); ++w) {
+      if (std::ranges::count(trace_set_[w], std::optional{k}) > 0) {
+        truncation = std::max(truncation, in_.windows[w].truncation.si());
+      }
+    }
+    return truncation;
+  }
+
+  /// Of windows with a truncation: what stands beside P32 and the law of sizes.
+  void caution_of_windows(SetResult& set, double truncation) {
+    if (!(truncation > 0)) return;
+    std::string caution =
+        fmt::format("P32 is that of joints with traces of {} m and more, the size that of all", truncation);
+    if (set.size && set.p30 && set.p30->value) {
+      set.p32_of_all = *set.p30->value * shape_area(set.shape) * size_moment(*set.size, 2);
+      caution += fmt::format("; of all joints of this law it is {:.4g}", *set.p32_of_all);
+    }
+    set.cautions.push_back(std::move(caution));
+  }
+
   /// Traces met by lines, where no window was mapped.
   void line_lengths(std::size_t k) {
     SetResult& set = out_.sets[k];
@@ -495,12 +600,19 @@ class Analysis final {
     if (lengths.empty()) return;
     for (const SeenLength& l : lengths) set.seen_lengths.push_back(l.length);
     set.traces_on_lines = lengths.size();
+    std::vector<detail::RecordedOn> recorded;
+    for (const LineSurvey& line : in_.lines) {
+      if (truncation > 0) recorded.push_back({has_mean(set) ? length_met(set, line) : 0, line.truncation.si()});
+    }
+    const bool met = std::ranges::any_of(recorded, [](const auto& line) { return line.length > 0; });
+    if (!met) recorded.clear();
     set.chords = chords_of(set.shape, 0);
     if (set.shape.shape != JointShape::disc) {
       set.notes.emplace_back("traces on lines are taken as on a level outcrop: along the strike");
     }
     // Seen from the line both parts of a trace are drawn alike: S/m is the mean of an exponential law.
-    detail::fit_laws(set, lengths, {0, 1, truncation}, detail::length_per_end(lengths, in_.confidence), in_.confidence);
+    detail::fit_laws(set, lengths, {0, 1, truncation}, detail::length_per_end(lengths, in_.confidence), in_.confidence,
+                     recorded);
     if (!set.size || !set.p32_lines || !set.p32_lines->value) return;
     if (!set.sizes.empty()) {
       set.p30 =
@@ -515,8 +627,33 @@ class Analysis final {
   /// Area of the shape of size 1.
   static double shape_area(const ShapeRule& shape) { return chords_of(shape, 0).area; }
 
+  /// Joints below the truncation of their line are missing: by the law of sizes, else it is said.
+  void recorded_on_lines(SetResult& set) const {
+    double truncation = 0;
+    for (const LineSurvey& line : in_.lines) truncation = std::max(truncation, line.truncation.si());
+    if (!(truncation > 0) || !set.p32_lines || !set.p32_lines->value) return;
+    const std::string missing =
+        fmt::format("joints whose traces are below {} m were not recorded on lines: ", truncation);
+    if (set.recorded && set.recorded->value && bounded(*set.recorded)) {
+      const Estimate& share = *set.recorded;
+      set.notes.push_back(missing + fmt::format("under the law of sizes {:.0f} % of those met were ({:.0f} to {:.0f} "
+                                                "%); P10 along the normal, P32 and P30 are those of all, spacings and "
+                                                "frequencies those of the longer ones",
+                                                100 * *share.value, 100 * share.low, 100 * share.high));
+      for (auto* e : {&set.p10_normal, &set.p32_lines}) {
+        if (*e) *e = over(**e, share, (*e)->name, (*e)->method + ", over the share that is recorded");
+      }
+      return;
+    }
+    set.notes.push_back(missing +
+                        "P10, P32 and spacings of lines are those of the longer ones, as no law of sizes "
+                        "from lines says how many are missing");
+    if (!set.p32_windows || !set.p32_windows->value) set.cautions.push_back(set.notes.back());
+  }
+
   void choose(std::size_t k) {
     SetResult& set = out_.sets[k];
+    recorded_on_lines(set);
     if (set.size_mean && set.size_mean->value && !bounded(*set.size_mean)) {
       set.notes.push_back("size: " + (set.size_mean->note.empty() ? "no interval" : set.size_mean->note));
     }

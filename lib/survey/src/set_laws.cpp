@@ -74,13 +74,25 @@ double offered(const Meeting& meeting, double chance, double mean, double square
   return meeting.area > 0 ? chance * mean : square;
 }
 
+/// Share of the joints met on these lines that is recorded; `met(l0)`: in proportion to those with traces above l0.
+template <class Met>
+double recorded(const std::vector<RecordedOn>& lines, const Met& met) {
+  double all = 0, above = 0;
+  for (const RecordedOn& line : lines) {
+    all += line.length * met(0);
+    above += line.length * met(line.truncation);
+  }
+  return above / all;
+}
+
 /// The law of sizes of shapes without a likelihood of their traces, by moments of a law of these.
 std::optional<SizeOfJoints> size_by_moments(const Fit& f, const Chords& chords) {
   return f.family == Family::power ? power_size(size_moments(f.moment(1), 1, chords).m2, f.min, f.max)
                                    : size_law(f.family, f.moment(1), f.moment(2), chords);
 }
 
-FittedSize sizes_by_moments(const FittedLaw& law, const Chords& chords, const Meeting& meeting, double confidence) {
+FittedSize sizes_by_moments(const FittedLaw& law, const Chords& chords, const Meeting& meeting, double confidence,
+                            const std::vector<RecordedOn>& lines) {
   FittedSize size{.law = *law.sizes,
                   .mean = *law.size_mean,
                   .std = *law.size_std,
@@ -98,10 +110,19 @@ FittedSize sizes_by_moments(const FittedLaw& law, const Chords& chords, const Me
     size.exponent = estimate_of(law.fit, "exponent",
                                 figure([](const Fit&, const SizeOfJoints& l) { return l.exponent; }), confidence);
   }
-  size.offered = estimate_of(law.fit, "offered", figure([&meeting](const Fit& f, const SizeOfJoints& l) {
+  const auto share = [&lines](const Fit& f) {
+    return recorded(lines,
+                    [&](double l0) { return Meeting{.truncation = l0}.chance(1 - f.below(l0), f.mean_excess(l0)); });
+  };
+  if (!lines.empty()) {
+    size.recorded =
+        estimate_of(law.fit, "share recorded", [&](const Fit& f) { return std::optional{share(f)}; }, confidence);
+  }
+  size.offered = estimate_of(law.fit, "offered", figure([&](const Fit& f, const SizeOfJoints& l) {
                                const double l0 = meeting.truncation;
                                return offered(meeting, meeting.chance(1 - f.below(l0), f.mean_excess(l0)), l.mean,
-                                              size_moment(l, 2));
+                                              size_moment(l, 2)) *
+                                      (lines.empty() ? 1 : share(f));
                              }),
                              confidence);
   return size;
@@ -127,11 +148,11 @@ Estimate estimate_to_edge(const DiscFit& discs, std::string name,
 /// Gives the gamma law at its widest where the likelihood rises up to there: it is no law to take, but an interval has
 /// to reach it.
 std::vector<FittedSize> fit_sizes(SetResult& set, const std::vector<SeenLength>& lengths, const Meeting& meeting,
-                                  double confidence) {
+                                  double confidence, const std::vector<RecordedOn>& lines) {
   std::vector<FittedSize> edges;
   if (!set.chords.disc) {
     for (const FittedLaw& law : set.lengths) {
-      if (law.sizes) set.sizes.push_back(sizes_by_moments(law, set.chords, meeting, confidence));
+      if (law.sizes) set.sizes.push_back(sizes_by_moments(law, set.chords, meeting, confidence, lines));
     }
     return edges;
   }
@@ -163,10 +184,18 @@ std::vector<FittedSize> fit_sizes(SetResult& set, const std::vector<SeenLength>&
     if (family == Family::power) {
       size.exponent = estimate_of(*fit, "exponent", [](const Fit& f) { return f.a; }, confidence);
     }
+    const auto share = [&lines](const Fit& f) {
+      return recorded(lines, [&](double l0) { return disc_chance(f, Meeting{.truncation = l0}); });
+    };
+    if (!lines.empty()) {
+      size.recorded =
+          estimate_to_edge(*discs, "share recorded", [&](const Fit& f) { return std::optional{share(f)}; }, confidence);
+    }
     size.offered = estimate_to_edge(
         *discs, "offered",
         [&](const Fit& f) {
-          return offered(meeting, disc_chance(f, meeting), scale * f.moment(1), scale * scale * f.moment(2));
+          return offered(meeting, disc_chance(f, meeting), scale * f.moment(1), scale * scale * f.moment(2)) *
+                 (lines.empty() ? 1 : share(f));
         },
         confidence);
     (discs->at_widest ? edges : set.sizes).push_back(std::move(size));
@@ -285,6 +314,10 @@ void average_over_laws(SetResult& set, const std::vector<FittedSize>& edges, dou
   average_spread(set, edges, confidence);
   set.offered = set.sizes.front().offered;
   average(*set.offered, set.sizes, edges, [](const FittedSize& law) { return law.offered; }, confidence);
+  set.recorded = set.sizes.front().recorded;
+  if (!set.recorded) return;
+  average(*set.recorded, set.sizes, edges, [](const FittedSize& law) { return *law.recorded; }, confidence);
+  set.recorded->high = std::min(set.recorded->high, 1.0);
 }
 
 /// One trace, or traces all alike, say nothing of how others scatter: their likelihood is a spike, not an error.
@@ -299,13 +332,13 @@ void without_interval(std::optional<Estimate>& e) {
   e->note = "no interval: traces all alike say nothing of how others scatter";
 }
 void without_intervals(SetResult& set) {
-  for (auto* e : {&set.m2, &set.m3, &set.size_mean, &set.size_std, &set.offered}) without_interval(*e);
+  for (auto* e : {&set.m2, &set.m3, &set.size_mean, &set.size_std, &set.offered, &set.recorded}) without_interval(*e);
 }
 
 }  // namespace
 
 void fit_laws(SetResult& set, const std::vector<SeenLength>& lengths, const Meeting& meeting,
-              const std::optional<Estimate>& mean, double confidence) {
+              const std::optional<Estimate>& mean, double confidence, const std::vector<RecordedOn>& lines) {
   for (const Family family : {Family::exponential, Family::lognormal, Family::gamma, Family::power, Family::normal}) {
     // Pooled windows of equal shape: area over width of the sums.
     auto fit = fit_lengths(lengths, meeting, family);
@@ -325,7 +358,7 @@ void fit_laws(SetResult& set, const std::vector<SeenLength>& lengths, const Meet
   std::ranges::stable_sort(set.lengths, {}, [](const FittedLaw& l) { return l.fit.aic; });
   if (set.lengths.empty()) return;
   undecided(set, "trace length", [](const FittedLaw& l) { return std::pair{l.fit.family, l.fit.aic}; }, set.lengths);
-  const std::vector<FittedSize> edges = fit_sizes(set, lengths, meeting, confidence);
+  const std::vector<FittedSize> edges = fit_sizes(set, lengths, meeting, confidence, lines);
   const Fit& best = set.lengths.front().fit;
   set.m2 = moment_of_sizes(set, 1, confidence);
   set.m3 = moment_of_sizes(set, 2, confidence);

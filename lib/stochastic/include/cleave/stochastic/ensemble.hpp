@@ -93,7 +93,7 @@ struct VarianceShare {
 struct OrderFigures {
   Estimate key_blocks, key_m3;
   Estimate key_blocks_minus_first, key_m3_minus_first;
-  double share_best = 0;  ///< of the realizations in which no order before it has as little volume, and none after less
+  double share_best = 0;  ///< of the realizations in which no order has less volume; those of like volume share it
 };
 
 /// P(largest key block of a realization > volume) under a load case.

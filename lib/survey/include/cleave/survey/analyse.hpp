@@ -113,6 +113,8 @@ struct FittedSize {
   /// What a joint offers to be met: in windows the area of the places its trace may have times its size, on lines the
   /// square of its size; means.
   Estimate offered;
+  /// On lines with a truncation: the share of the joints met that is recorded.
+  std::optional<Estimate> recorded = {};
   double aic = 0;
   std::string method;
 };
@@ -133,7 +135,9 @@ struct SetResult {
   std::optional<Estimate> p10_normal;  ///< joints per metre along the mean normal, from lines
   std::optional<Estimate> p20, p21, mean_length, mean_length_counts;
   std::optional<Estimate> p32_lines, p32_windows, p30;
-  std::optional<Estimate> p32;     ///< the one that sets.toml takes
+  std::optional<Estimate> p32;  ///< the one that sets.toml takes
+  /// P30 times the mean area, where windows have a truncation and P32 is that of the longer joints.
+  std::optional<double> p32_of_all = {};
   std::vector<FittedLaw> lengths;  ///< trace lengths, by AIC, best first
   ShapeRule shape;
   Chords chords;                     ///< of the shape along the set's traces, mean over the windows
@@ -142,11 +146,14 @@ struct SetResult {
   /// Of it, when it comes from a fitted law; the intervals are over all laws, as none is certain.
   std::optional<Estimate> size_mean, size_std;
   std::optional<Estimate> offered;  ///< as in FittedSize, of the law taken, over all laws
-  std::optional<Estimate> m2, m3;   ///< E L^2/E L and E L^3/E L whatever the law (lengths: 2S/m; best fit)
-  std::vector<Fit> spacings;        ///< along the lines, by AIC; `estimate_of` has their intervals
+  std::optional<Estimate> recorded = {};
+  std::optional<Estimate> m2, m3;  ///< E L^2/E L and E L^3/E L whatever the law (lengths: 2S/m; best fit)
+  std::vector<Fit> spacings;       ///< along the lines, by AIC; `estimate_of` has their intervals
   std::vector<double> gaps, seen_lengths;
   std::vector<Estimate> comparisons;  ///< formulas of Fu (2014) that are biased: for comparison only
   std::vector<std::string> notes;
+  /// Of them, what whoever takes P32 with the law of sizes must know.
+  std::vector<std::string> cautions = {};
 };
 
 struct LineResult {
