@@ -51,7 +51,7 @@ Section read_section(const std::string& name) {
     section.bodies.push_back(std::move(body));
   }
   EXPECT_TRUE(in.good());
-  section.options.overlap = 2e-5;
+  section.options.overlap_at_start = 2e-5;
   return section;
 }
 

@@ -329,5 +329,24 @@ TEST(ContactEnd, CohesionOfAnElasticBodyIsThatOfItsWholeLength) {
   }
 }
 
+TEST(ContactEnd, AnOverlapOfTheStartIsPartedOrTheRunStops) {
+  // Nine micrometres on each side: less than a scene is refused for, more than a step may leave.
+  for (const bool room : {true, false}) {
+    std::string text =
+        "[joints.default]\nfriction = 30\n[contact]\nduration = 0.02\n[[body]]\nfixed = true\nrectangle = { corner = "
+        "[-5, -1], width = 10, height = 1 }\n[[body]]\nfixed = true\nrectangle = { corner = [0, 0], width = 1, height "
+        "= 1 }\n[[body]]\nrectangle = { corner = [0.999991, 0], width = 1, height = 1 }\n";
+    if (!room) {
+      text += "[[body]]\nfixed = true\nrectangle = { corner = [1.999982, 0], width = 1, height = 1 }\n";
+    }
+    const ContactResult r = ran(text);
+    EXPECT_EQ(r.converged, room) << r.stopped_why;
+    if (room) {
+      EXPECT_LE(r.largest_penetration, 1e-6);
+      EXPECT_NEAR(r.bodies[2].centroid.x, 1.5, 1e-6);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace cleave::scene::contact_end_test

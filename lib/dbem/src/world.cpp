@@ -92,7 +92,7 @@ std::optional<WorldError> check_options(const WorldOptions& o) {
   if (!(o.sleep_speed >= 0)) return BadOption{"the speed below which bodies sleep must not be negative"};
   if (!good(o.solver.accept)) return BadOption{"the accepted residual is not a number"};
   if (!(o.displacement > 0) || !(o.rotation > 0)) return BadOption{"displacement and rotation limits must be positive"};
-  if ((o.position_error && !(*o.position_error > 0)) || !(o.overlap >= 0))
+  if ((o.position_error && !(*o.position_error > 0)) || !(o.overlap >= 0) || !(o.overlap_at_start >= 0))
     return BadOption{"tolerances must not be negative"};
   if (!(o.step_work > 0)) return BadOption{"the work of a step must be positive"};
   if (!good(o.mass_damping) || o.mass_damping < 0) {
@@ -196,7 +196,7 @@ std::optional<WorldError> find_overlap(World::Impl& w) {
     const double size = std::min(w.shapes[a].feature, w.shapes[b].feature);
     if (w.shapes[a].fixed && w.shapes[b].fixed) continue;  // parts of one support may share space
     const Overlap found =
-        overlap(w.placed(w.corners, w.boxes, a), w.placed(w.corners, w.boxes, b), w.options.overlap * size);
+        overlap(w.placed(w.corners, w.boxes, a), w.placed(w.corners, w.boxes, b), w.options.overlap_at_start * size);
     if (found.depth > 0) return BodiesOverlap{w.bodies[a].name, w.bodies[b].name, found.depth, w.anchor + found.at};
   }
   return std::nullopt;

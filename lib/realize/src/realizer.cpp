@@ -294,7 +294,7 @@ void Realizer::look_for_held() {
     const CaseResult& load = made_.load_cases[k];
     const LoadCase& stated = scene_->stability->cases[k];
     held.look({.complex = &complex,
-               .settings = of_detail(settings_on(complex.complex(), *scene_, made_, stated.loads)),
+               .settings = settings_on(complex.complex(), *scene_, made_, stated.loads),
                .analysis = &load.analysis,
                .groups = &load.groups,
                .target = target_of(&stated),
@@ -318,8 +318,8 @@ void Realizer::look_for_held_in_stages(HeldNotes& held) {
     const std::string after = "after stage " + std::to_string(row.stage);
     const auto look = [&](const LoadCase* load, const stability::Analysis& analysis,
                           const std::optional<stability::KeyGroups>& groups) {
-      const stability::Settings with = of_detail(
-          settings_on(complex.complex(), *scene_, made_, load != nullptr ? load->loads : scene_->stability->loads));
+      const stability::Settings with =
+          settings_on(complex.complex(), *scene_, made_, load != nullptr ? load->loads : scene_->stability->loads);
       const auto below = groups_below(complex, with, groups, target_of(load));
       held.look({.complex = &complex,
                  .settings = with,
@@ -345,8 +345,8 @@ void Realizer::judge_groups_below_target() {
   for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
     const LoadCase& stated = scene_->stability->cases[k];
     made_.load_cases[k].groups_below_target =
-        groups_below(complex, of_detail(settings_on(complex.complex(), *scene_, made_, stated.loads)),
-                     made_.load_cases[k].groups, target_of(&stated));
+        groups_below(complex, settings_on(complex.complex(), *scene_, made_, stated.loads), made_.load_cases[k].groups,
+                     target_of(&stated));
   }
 }
 

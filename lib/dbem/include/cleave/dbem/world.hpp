@@ -84,11 +84,12 @@ struct WorldOptions {
   double rotation = 0.05;                   ///< largest rotation in a step, rad
   /// Error of position per step allowed, m, estimated from the change of velocity over the step; empty: not controlled.
   std::optional<double> position_error = {};
-  std::size_t cuts = 6;           ///< thirds a failed step is cut into before the run stops
-  double overlap = 1e-6;          ///< overlap allowed at the start over the smaller body's size
-  double regularisation = 1e-10;  ///< compliance on the diagonal of W, relative
-  bool sleep = true;              ///< bodies at rest are left alone until something touches them
-  double sleep_speed = 1e-7;      ///< m/s
+  std::size_t cuts = 6;            ///< thirds a failed step is cut into before the run stops
+  double overlap = 1e-6;           ///< overlap allowed after a step over the smaller body's size
+  double overlap_at_start = 1e-6;  ///< the same at the start: what is more than after a step is parted in the first
+  double regularisation = 1e-10;   ///< compliance on the diagonal of W, relative
+  bool sleep = true;               ///< bodies at rest are left alone until something touches them
+  double sleep_speed = 1e-7;       ///< m/s
   /// 1/s: every body is slowed by this times its mass and velocity (and likewise its spin and its vibrations). Speeds
   /// are exact between contacts, whatever the step.
   double mass_damping = 0;
