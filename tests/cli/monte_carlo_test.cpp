@@ -67,7 +67,7 @@ TEST_F(MonteCarloTest, LoadCasesAreAnEnsembleOfTheirOwn) {
     const json alone = section("alone");
     EXPECT_FALSE(alone.contains("load_cases"));
     const json& found = cases[0]["quantities"];
-    ASSERT_EQ(found.size(), kind == "groups" ? 37U : kind == "support" ? 29U : 18U);
+    ASSERT_EQ(found.size(), kind == "groups" ? 38U : kind == "support" ? 30U : 19U);
     for (const auto& [name, figures] : found.items()) {
       for (const char* part : {"mean", "standard_error", "low", "high"}) {
         EXPECT_EQ(figures[part], alone["quantities"][name][part]) << name << " " << part;

@@ -416,8 +416,8 @@ TEST(KeyGroupsScene, WhatOnlyTheBorderHoldsTogetherIsSaid) {
   EXPECT_EQ(notes_with(slice, "2 of them would move only together"), 1U);
   // Strong enough, nothing is held by the sides alone.
   EXPECT_EQ(run_of(active_and_passive(40, "\"top\"")).domain_held->blocks.size(), 0U);
-  // So it is where groups are not looked for.
-  EXPECT_EQ(run_of(active_and_passive(20, "\"top\"") + "groups = \"off\"\n").domain_held->together, 2U);
+  // With these groups not looked for, single blocks are.
+  EXPECT_EQ(run_of(active_and_passive(20, "\"top\"") + "groups = \"off\"\n").domain_held->together, 0U);
   // Under a load case that pushes harder it is said there.
   const RunResult quake =
       run_of(active_and_passive(40, "\"top\"") + "[[load]]\nname = \"quake\"\nseismic = [-0.5, 0, 0]\n");

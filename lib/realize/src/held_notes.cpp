@@ -137,10 +137,7 @@ HeldNotes::Rows HeldNotes::kept_by(Reason reason, const JudgedState& state, cons
     case Reason::border: {
       stability::DomainHeld held = stability::domain_held(complex, with, analysis);
       const std::optional<stability::KeyGroups>& groups = *state.groups;
-      if (!groups || !groups->too_many) {
-        const stability::KeyGroups none;
-        (void)stability::add_held_together(complex, with, analysis, groups ? *groups : none, held);
-      }
+      if (groups && !groups->too_many) (void)stability::add_held_together(complex, with, analysis, *groups, held);
       rows = rows_of(state, held, factor);
       break;
     }

@@ -252,14 +252,13 @@ void Realizer::hold_by_next_to_nothing(const stability::Settings& settings) {
 stability::DomainHeld Realizer::with_groups(stability::DomainHeld held, const stability::Settings& settings,
                                             const stability::Analysis& analysis,
                                             const std::optional<stability::KeyGroups>& groups, std::string_view where) {
-  // Where blocks are not judged together, what only sides of the domain hold is looked for all the same.
-  const bool asked = groups ? !groups->too_many : detail_ == Detail::shown;
-  if (!asked) return held;
-  const stability::KeyGroups none;
-  if (!stability::add_held_together(*made_.complex, settings, analysis, groups ? *groups : none, held) && !groups) {
+  if (groups && !groups->too_many) {
+    (void)stability::add_held_together(*made_.complex, settings, analysis, *groups, held);
+  } else if (!groups && detail_ == Detail::shown && analysis.batches.empty() && held.blocks.empty() &&
+             std::ranges::any_of(made_.complex->complex().blocks(), &topology::Block::fixed)) {
     notes_.push_back(std::string{where} +
-                     "whether sides of the domain alone hold blocks that would move together was not asked: too many "
-                     "blocks are near free faces");
+                     "no block moves by itself; whether blocks that would move together are held by sides of the "
+                     "domain that are not free was not asked (groups = \"off\")");
   }
   return held;
 }
