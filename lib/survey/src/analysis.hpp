@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,6 +13,9 @@
 #include "unoriented.hpp"
 
 namespace cleave::survey::detail {
+
+/// In a radian.
+inline constexpr double degrees = 180 / std::numbers::pi;
 
 /// One survey on its way to its figures: sets and their orientations, then what lines and windows met of each.
 class Analysis final {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "analysis.hpp"
 #include "cleave/geometry/orientation.hpp"
@@ -12,8 +11,6 @@ namespace cleave::survey::detail {
 using geometry::Vec3;
 
 namespace {
-
-constexpr double degrees = 180 / std::numbers::pi;
 
 /// So many joints measured take the place of an orientation that is stated: Fisher's law can be tested with them.
 constexpr std::size_t joints_of_a_law = 5;

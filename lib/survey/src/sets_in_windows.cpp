@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "analysis.hpp"
 #include "cleave/core/rng.hpp"
@@ -14,8 +13,6 @@ namespace cleave::survey::detail {
 using geometry::Vec3;
 
 namespace {
-
-constexpr double degrees = 180 / std::numbers::pi;
 
 /// From the strike to the set's traces in the joints' plane, degrees counter-clockwise seen from above.
 double trace_angle(const SetResult& set, const WindowSurvey& window) {
