@@ -148,6 +148,36 @@ TEST(AnalysisTest, IntensityOfPolesWithoutFishersLawIsTheirOwn) {
   EXPECT_GT(set.p32->high, p32);
 }
 
+// The same in a window: an upright face across the x axis shows joints of such a girdle with a mean sine of 2/pi, where
+// Fisher's law of so wide a spread has nearly pi/4.
+TEST(AnalysisTest, IntensityInWindowsOfPolesWithoutFishersLawIsTheirOwn) {
+  SurveyInput input;
+  Rng rng{{.seed = 5}};
+  const double pi = std::acos(-1.0);
+  constexpr std::size_t joints = 400;
+  for (std::size_t i = 0; i < joints; ++i) {
+    const double turn = pi * (static_cast<double>(i) + 0.5) / joints;
+    const Vec3 n = normalized(Vec3{std::cos(turn), std::sin(turn), 0.02 * rng.normal()});
+    input.orientations.push_back(measured(n.z < 0 ? -n : n));
+  }
+  WindowSurvey window{.name = "face",
+                      .window = PolygonWindow{{{0, 0}, {20, 0}, {20, 20}, {0, 20}}},
+                      .normal = {1, 0, 0},
+                      .x_axis = {0, 1, 0},
+                      .traces = {}};
+  for (std::size_t i = 0; i < 80; ++i) {
+    const double x = 0.25 * (static_cast<double>(i) + 0.5), y = 2 + static_cast<double>(i % 10);
+    window.traces.push_back({{x, y}, {x, y + 5}});
+  }
+  input.windows.push_back(window);
+  const SetResult set = analyse(input).sets.at(0);
+  ASSERT_FALSE(set.orientation.fisher);
+  const double truth = 80 * 5 / 400.0 / (2 / pi);
+  EXPECT_NEAR(*set.p32->value, truth, 0.002 * truth);
+  EXPECT_LT(set.p32->low, truth);
+  EXPECT_GT(set.p32->high, truth);
+}
+
 TEST(AnalysisTest, LinesThatContradictEachOtherAreSaid) {
   SurveyInput input;
   input.lines.push_back(straight(input, "many", 20, every(0.5, 40)));

@@ -92,6 +92,10 @@ class Analysis final {
                                            const std::function<double(geometry::Vec3, double)>& figure) const;
 
   static bool has_mean(const SetResult& set) { return set.joints > 0 || set.orientation_stated; }
+  /// Of Fisher's law where it holds, else of the poles as they were measured.
+  static bool by_poles(const SetResult& set) {
+    return !set.orientation.fisher && !set.orientation_stated && !set.normals.empty();
+  }
   /// Area of the shape of size 1.
   static double shape_area(const ShapeRule& shape) { return chords_of(shape, 0).area; }
 

@@ -6,6 +6,7 @@
 #include "analysis.hpp"
 #include "cleave/core/rng.hpp"
 #include "cleave/survey/comparison.hpp"
+#include "over_poles.hpp"
 #include "set_laws.hpp"
 
 namespace cleave::survey::detail {
@@ -66,7 +67,11 @@ void Analysis::assign_traces() {
 std::vector<double> Analysis::sines_of(const SetResult& set) const {
   std::vector<double> sines;
   for (const WindowSurvey& window : in_.windows) {
-    sines.push_back(has_mean(set) ? mean_plane_sine(set.orientation.mean, set.orientation.kappa, window.normal) : 1);
+    if (by_poles(set)) {
+      sines.push_back(mean_over_poles(set.normals, set.weights, [&](Vec3 n) { return norm(cross(n, window.normal)); }));
+    } else {
+      sines.push_back(has_mean(set) ? mean_plane_sine(set.orientation.mean, set.orientation.kappa, window.normal) : 1);
+    }
   }
   return sines;
 }
@@ -104,6 +109,18 @@ Analysis::SeenOfSet Analysis::seen_of(std::size_t k) const {
 Estimate Analysis::sine_of(const SetResult& set, const std::vector<WindowCounts>& counts,
                            const WindowCounts& all) const {
   if (!has_mean(set)) return {"", 1, 1, 1, "", ""};
+  if (by_poles(set)) {
+    return over_poles(
+        set.normals, set.weights,
+        [&](Vec3 n) {
+          double weighed = 0;
+          for (std::size_t w = 0; w < counts.size(); ++w) {
+            weighed += counts[w].area * norm(cross(n, in_.windows[w].normal));
+          }
+          return weighed / all.area;
+        },
+        [](Vec3) { return 1.0; }, in_.confidence);
+  }
   return over_orientations(set, [&](Vec3 mean, double kappa) {
     double weighed = 0;
     for (std::size_t w = 0; w < counts.size(); ++w) {

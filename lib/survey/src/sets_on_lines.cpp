@@ -14,11 +14,6 @@ using geometry::Vec3;
 
 namespace {
 
-/// Of Fisher's law where it holds, else of the poles as they were measured.
-bool by_poles(const SetResult& set) {
-  return !set.orientation.fisher && !set.orientation_stated && !set.normals.empty();
-}
-
 double length_along(Vec3 normal, const LineSurvey& line) {
   double sum = 0;
   for (const auto& [direction, length] : line.pieces) sum += length * std::abs(dot(normal, direction));
