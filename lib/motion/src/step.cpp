@@ -181,8 +181,9 @@ World::Impl::Balance World::Impl::gain_of(const Island& island, const Group& gro
     before.push_back(stacked(mid[b].v, spin(mid[b], b)));
     size += shape.mass * (dot(mid[b].v, mid[b].v) + strongest() * shape.size) +
             dot(mid[b].momentum, solve(shape.inertia, mid[b].momentum));
-    const Vector6 change = found.velocity[k] - before[k];
-    out.scheme -= late * shape.mass * step * dot(pull, {change[0], change[1], change[2]});
+    // All that acts for the whole step does its work along the way of that step, the later velocity's by the share late.
+    const Vector6 change = found.velocity[k] - before[k], kick = kick_of(b, mid, step);
+    out.scheme -= late * change.dot(group.mass[k] * kick);
   }
   double moved = 0;
   for (std::size_t k = 0; k < group.points.size(); ++k) {
@@ -355,8 +356,9 @@ std::expected<bool, World::Impl::Failure> World::Impl::solve_all(const std::vect
   }
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (touched[b] != 0 || !moves(b)) continue;
-    // An implicit step of what nothing touches loses what it falls too far.
-    out.scheme -= (theta_of(b) - 0.5) * shapes[b].mass * step * step * dot(pull, pull);
+    // An implicit step of what nothing touches loses what it is moved too far.
+    const Vector6 kick = kick_of(b, mid, step);
+    out.scheme -= (theta_of(b) - 0.5) * kick.dot(mass_matrix(shapes[b], mid[b].turn) * kick);
   }
   bool kept = true;
   const auto take_implicit_rule = [&](const Island& island) {
