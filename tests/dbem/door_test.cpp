@@ -44,6 +44,7 @@ TEST(DoorTest, OptionsWithoutMeaningAreErrors) {
     EXPECT_TRUE(refused([&](WorldOptions& o) { o.rotation = bad; }));
     EXPECT_TRUE(refused([&](WorldOptions& o) { o.position_error = bad; }));
     EXPECT_TRUE(refused([&](WorldOptions& o) { o.overlap = bad; }));
+    EXPECT_TRUE(refused([&](WorldOptions& o) { o.overlap_elastic = bad; }));
     EXPECT_TRUE(refused([&](WorldOptions& o) { o.overlap_at_start = bad; }));
     EXPECT_TRUE(refused([&](WorldOptions& o) { o.regularisation = bad; }));
     EXPECT_TRUE(refused([&](WorldOptions& o) { o.sleep_speed = bad; }));

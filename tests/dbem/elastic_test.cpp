@@ -50,6 +50,51 @@ TEST(ElasticTest, ADropGainsNoEnergyAndItsImpulseIsTheChangeOfMomentum) {
   }
 }
 
+// Three micrometres into the walls on both sides: parted as if rigid an elastic body may stay so, a rigid one may not,
+// whatever is elastic elsewhere.
+TEST(ElasticTest, OnlyPairsThatBendMayOverlapByMore) {
+  for (const bool bends : {true, false}) {
+    const std::vector<Vec2> jammed = rectangle(-3e-6, 0, 1 + 6e-6, 1);
+    std::vector<Body> bodies{fixed("left", rectangle(-1, 0, 1, 1)), fixed("right", rectangle(1, 0, 1, 1)),
+                             bends ? elastic_body(jammed, {.young = 1e10}, 2, 12) : block("jammed", jammed),
+                             elastic_body(rectangle(5, 0, 1, 1), {.young = 1e10}, 2, 12)};
+    World world = make(bodies, law(0.5),
+                       {.gravity = {0, 0}, .step = 1e-5, .overlap_elastic = 2e-5, .overlap_at_start = 2e-5});
+    EXPECT_EQ(world.step().has_value(), bends);
+  }
+}
+
+// One mode of 100 rad/s: held by its spring against the load of the spin it neither rings nor loses energy; a body that
+// touches another one is not stretched from the start.
+TEST(ElasticTest, ABodyThatSpinsIsStretchedByItsSpin) {
+  Body spun = block("spun", rectangle(-0.5, -0.5, 1, 1));
+  spun.spin = 3;
+  spun.modes = ModalBasis{.omega = {100}, .shapes = {-1, -1, 1, -1, 1, 1, -1, 1}, .stretch = {2}};
+  for (double& shape : spun.modes->shapes) shape *= 0.01;
+  World world = make({spun}, law(0.5), {.gravity = {0, 0}, .step = 1e-3});
+  const double stretched = 2 * 9.0 / 1e4;
+  EXPECT_NEAR(world.modal_amplitudes(0)[0], stretched, 1e-15);
+  run(world, 0.3);
+  EXPECT_NEAR(world.modal_amplitudes(0)[0], stretched, 1e-12);
+  EXPECT_NEAR(world.energy().lost, 0, 1e-8);
+  // Told of it only now it swings about that, and what it gains is work.
+  World told = make({spun}, law(0.5), {.gravity = {0, 0}, .step = 1e-4});
+  ASSERT_TRUE(told.set_velocity(0, {0, 0}, 6).has_value());
+  double most = 0;
+  while (told.time() < 0.1) {
+    ASSERT_TRUE(told.step().has_value());
+    most = std::max(most, told.modal_amplitudes(0)[0]);
+  }
+  EXPECT_NEAR(most, 7 * stretched, 1e-3 * stretched);
+  EXPECT_GT(told.energy().work, 0);
+  EXPECT_NEAR(told.energy().lost, 0, 1e-8);
+  World leaning =
+      make({spun, fixed("wall", rectangle(0.5, -0.5, 1, 1))}, law(0.5), {.gravity = {0, 0}, .step = 1e-3});
+  EXPECT_EQ(leaning.modal_amplitudes(0)[0], 0);
+  spun.modes->stretch = {2, 1};
+  EXPECT_FALSE(World::make({spun}, law(0.5), {}).has_value());
+}
+
 TEST(ElasticTest, ACollisionKeepsMomentumAndAngularMomentum) {
   Body a = elastic_body(rectangle(0, 0, 1, 1), {.young = 1e8}, 2, 16);
   Body b = elastic_body(turned(rectangle(1.2, 0.4, 1, 1.3), 0.1), {.young = 1e9}, 2, 16);

@@ -110,6 +110,25 @@ TEST(Loads, BetweenTwoBodiesAddNoMomentum) {
   EXPECT_NEAR(w.energy().loads, force * opens, 0.01 * force * opens);
 }
 
+// By either rule of the step a load works along the way that its body goes in it: no step gains energy, and all of it
+// is known.
+TEST(Loads, WorkAlongTheWayOfEachStep) {
+  for (const double theta : {0.5, 1.0}) {
+    const WorldOptions options{.step = 0.02, .theta = theta};
+    const Vec3 force{1, -2, 2 * g};
+    World free = loaded({body(block(1, 1, 1))}, {load(0, std::nullopt, {}, force)}, 0, options);
+    ASSERT_TRUE(run(free, 0.3));
+    EXPECT_NEAR(free.energy().loads, dot(force, free.displacement(0)), 1e-12) << theta;
+    EXPECT_LT(free.energy().largest_gain, 1e-12) << theta;
+    // Pushed off the floor at a corner, so that it turns: it leaves its contacts one after the other.
+    World lifted = loaded({floor(), body(box({-0.5, -0.5, 0}, {0.5, 0.5, 1}))},
+                          {load(1, std::nullopt, {0.5, 0.4, 0}, {0, 0, 1.5 * g})}, 0.3, options);
+    ASSERT_TRUE(run(lifted, 0.3));
+    EXPECT_GT(angle_of(lifted.turn(1)), 0.1);
+    EXPECT_LT(lifted.energy().largest_gain, 1e-9 * lifted.energy().loads) << theta;
+  }
+}
+
 // Water holds no joint up that has opened, or slid apart.
 TEST(Loads, EndWhereTheJointHasOpenedOrSlidAway) {
   const Turn plane = slope(30, 100);

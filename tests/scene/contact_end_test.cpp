@@ -242,6 +242,52 @@ TEST(ContactEnd, AnEvenPressurePassesJointsWithStiffness) {
   }
 }
 
+/// A body that spins at 100 rad/s in nothing for 0.02 s, seen at `steps` frames.
+ContactResult spinning(const std::string& body, const std::string& more) {
+  return ran("[rock]\ndensity = 2600\nyoung = 20e9\npoisson = 0.25\n[contact]\nduration = 0.02\nstep = 2e-4\nframes "
+             "= 4\nrigid = false\ngravity = 0\nplane = \"stress\"\n" +
+             more + "[[body]]\nspin = 100\n" + body);
+}
+
+// rho w^2 (L^2 / 4 - x^2) / 2 along a thin bar, from the start on, as it turns.
+TEST(ContactEnd, ABarThatSpinsIsStretched) {
+  const double most = 2600 * 1e4 * 4.0 / 8;
+  const ContactResult r = spinning("rectangle = { corner = [5, 3], width = 2, height = 0.1 }\n", "element = 0.1\n");
+  ASSERT_TRUE(r.converged);
+  for (const ContactFrame& frame : r.frames) {
+    const double turn = frame.places[0].rotation;
+    std::size_t seen = 0;
+    for (std::size_t k = 0; k < r.bodies[0].outline.size(); ++k) {
+      const double x = r.bodies[0].outline[k].x - 6;
+      if (std::abs(x) > 0.85) continue;
+      const bem::Sym2 s = frame.stress[0][k].stress;
+      const Vec2 along{std::cos(turn), std::sin(turn)};
+      const double pulled = s.xx * along.x * along.x + 2 * s.xy * along.x * along.y + s.yy * along.y * along.y;
+      EXPECT_NEAR(pulled / most, 1 - x * x, 0.01) << frame.time << ' ' << x;
+      ++seen;
+    }
+    EXPECT_GT(seen, 20U);
+  }
+  EXPECT_NEAR(r.frames.back().places[0].rotation, 2, 1e-9);
+  EXPECT_LT(std::abs(r.history.back().lost), 1e-6 * r.history.back().kinetic);
+}
+
+// The hoop stress at the rim of a disc is rho w^2 R^2 (1 - nu) / 4; a disc of 24 sides of the same area.
+TEST(ContactEnd, ADiscThatSpinsIsStretched) {
+  std::string outline = "outline = [";
+  const double circle = std::sqrt(2 * std::numbers::pi / (24 * std::sin(2 * std::numbers::pi / 24)));
+  for (int k = 0; k < 24; ++k) {
+    const double a = 2 * std::numbers::pi * k / 24;
+    outline += fmt::format("[{:.12f}, {:.12f}], ", circle * std::cos(a), circle * std::sin(a));
+  }
+  const ContactResult r = spinning(outline + "]\n", "element = 0.14\n");
+  ASSERT_TRUE(r.converged);
+  const double hoop = 2600 * 1e4 * 0.75 / 4;
+  double sum = 0;
+  for (const NodeStress& node : r.frames.back().stress[0]) sum += node.stress.xx + node.stress.yy;
+  EXPECT_NEAR(sum / static_cast<double>(r.frames.back().stress[0].size()) / hoop, 1, 0.03);
+}
+
 /// Two elastic blocks of 1 x 1 m on a floor: mean way down of the top of the upper one, and what the joint between
 /// them closes by.
 struct Settled {

@@ -395,6 +395,10 @@ Vec2 ContactSolve::force_on(const State& at, std::size_t body, double step, doub
       (*modal)[m] += (1 - share) * at_corner(edge) + share * at_corner(to);
     }
   }
+  if (modal != nullptr && shape.stretches && !options.quasi_static) {
+    const double square = at.spin[body] * at.spin[body];
+    for (std::size_t m = 0; m < shape.modes; ++m) (*modal)[m] += square * bodies[body].modes->stretch[m];
+  }
   return force;
 }
 

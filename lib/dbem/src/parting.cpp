@@ -87,7 +87,9 @@ std::vector<Clash> ContactSearch::clashes_of(Attempt& out) {
     const double rounding = contact_depth * feature;
     const double depth = clash_depth(solid(pair.a), solid(pair.b), rounding);
     out.report.max_penetration = std::max(out.report.max_penetration, depth);
-    if (depth > rounding) found.push_back({pair, depth, std::max(options.overlap * feature, 2 * rounding)});
+    const bool bends = shapes[pair.a].modes > 0 || shapes[pair.b].modes > 0;
+    const double share = bends ? options.overlap_elastic : options.overlap;
+    if (depth > rounding) found.push_back({pair, depth, std::max(share * feature, 2 * rounding)});
   }
   return found;
 }

@@ -99,7 +99,7 @@ void Trial::note_loads() {
     const Shape& shape = w_.shapes[b];
     double torque = 0;
     std::vector<double> modal;
-    const Vec2 force = w_.force_on(w_.state, b, step_, torque, shape.timed ? &modal : nullptr);
+    const Vec2 force = w_.force_on(w_.state, b, step_, torque, shape.timed || shape.stretches ? &modal : nullptr);
     const Vec2 other = force - shape.mass * w_.options.gravity;
     out_.work += dot(other, out_.state.x[b] - w_.state.x[b]) + torque * (out_.state.angle[b] - w_.state.angle[b]);
     for (std::size_t m = 0; m < modal.size(); ++m) {

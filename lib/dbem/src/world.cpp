@@ -92,7 +92,8 @@ std::optional<WorldError> check_options(const WorldOptions& o) {
   if (!(o.sleep_speed >= 0)) return BadOption{"the speed below which bodies sleep must not be negative"};
   if (!good(o.solver.accept)) return BadOption{"the accepted residual is not a number"};
   if (!(o.displacement > 0) || !(o.rotation > 0)) return BadOption{"displacement and rotation limits must be positive"};
-  if ((o.position_error && !(*o.position_error > 0)) || !(o.overlap >= 0) || !(o.overlap_at_start >= 0))
+  if ((o.position_error && !(*o.position_error > 0)) || !(o.overlap >= 0) || !(o.overlap_elastic >= 0) ||
+      !(o.overlap_at_start >= 0))
     return BadOption{"tolerances must not be negative"};
   if (!(o.step_work > 0)) return BadOption{"the work of a step must be positive"};
   if (!good(o.mass_damping) || o.mass_damping < 0) {
@@ -130,6 +131,10 @@ std::optional<WorldError> check_modes(const Body& body, std::size_t corners) {
     return BadModes{body.name, "not finite"};
   }
   if (!(body.modes->damping >= 0)) return BadModes{body.name, "damping is negative"};
+  const std::vector<double>& stretch = body.modes->stretch;
+  if (!stretch.empty() && (stretch.size() != modes || !std::ranges::all_of(stretch, [](double x) { return good(x); }))) {
+    return BadModes{body.name, fmt::format("not one finite number for the stretch of each of {} modes", modes)};
+  }
   return std::nullopt;
 }
 
@@ -151,6 +156,7 @@ std::optional<WorldError> make_shape(const Body& body, Shape& shape) {
     perimeter += norm(c[(k + 1) % n] - c[k]);
   }
   shape.modes = body.modes ? body.modes->omega.size() : 0;
+  shape.stretches = body.modes && !body.modes->stretch.empty();
   for (std::size_t k = 0; k < n; ++k) {
     const Vec2 in = shape.corners[k] - shape.corners[(k + n - 1) % n];
     const Vec2 out = shape.corners[(k + 1) % n] - shape.corners[k];
@@ -257,6 +263,26 @@ std::expected<World, WorldError> World::make(std::vector<Body> bodies, Laws laws
   return World{std::move(impl)};
 }
 
+/// What spins clear of all others has the strain of that spin from the start, and does not ring.
+void World::Impl::stretch_at_start() {
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (!shapes[b].stretches || state.spin[b] == 0 || options.quasi_static) continue;
+    const auto stretch_by = [&](double square) {
+      for (std::size_t m = 0; m < shapes[b].modes; ++m) {
+        const double omega = bodies[b].modes->omega[m];
+        state.e[first_mode[b] + m] = square * bodies[b].modes->stretch[m] / (omega * omega);
+      }
+      place_all(state, corners, boxes);
+    };
+    stretch_by(state.spin[b] * state.spin[b]);
+    bool clear = true;
+    for (std::size_t other = 0; other < size() && clear; ++other) {
+      clear = other == b || !overlap_boxes(boxes[b], boxes[other]);
+    }
+    if (!clear) stretch_by(0);
+  }
+}
+
 void World::Impl::place_at_start() {
   const std::size_t n = size();
   // Positions are kept relative to the first body: differences of origins are exact or nearly so.
@@ -278,6 +304,7 @@ void World::Impl::place_at_start() {
   sleep_group.assign(n, 0);
   next_step = options.step;
   place_all(state, corners, boxes);
+  stretch_at_start();
   if (n > 0) {
     Box2 all = boxes[0];
     for (const Box2& box : boxes) {

@@ -17,6 +17,7 @@ struct World::Impl : Parting {
 
   // ---- made: world.cpp, dilation.cpp, sections.cpp, ties.cpp
   void place_at_start();
+  void stretch_at_start();
   void make_mated();
   void add_mated(Mated side);
   void make_bonds();

@@ -37,8 +37,9 @@ struct Shape {
   double radius = 0;                                      // of the farthest corner
   double feature = 0;  // smallest distance of a corner to an edge it does not belong to
   std::size_t modes = 0;
-  bool timed = false;  // carries forces of its own
-  bool fixed = false;  // no freedom at all
+  bool timed = false;      // carries forces of its own
+  bool stretches = false;  // as it spins
+  bool fixed = false;      // no freedom at all
   struct LoadPlace {   // of a point force on the outline
     std::size_t edge;
     double share;

@@ -81,8 +81,9 @@ double World::Impl::work_of_loads(const std::vector<State>& mid, const std::vect
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (!moves(b) || (!water && loads_on[b].empty())) continue;
     const Wrench more = loads_of(b, mid);
-    work +=
-        0.5 * step * (dot(more.force, mid[b].v + after[b].v) + dot(more.moment, spin(mid[b], b) + spin(after[b], b)));
+    const double late = theta_of(b);
+    work += step * (dot(more.force, (1 - late) * mid[b].v + late * after[b].v) +
+                    dot(more.moment, (1 - late) * spin(mid[b], b) + late * spin(after[b], b)));
   }
   return work;
 }

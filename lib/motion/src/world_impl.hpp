@@ -229,7 +229,7 @@ struct World::Impl {
   [[nodiscard]] Vector6 kick_of(std::uint32_t b, const std::vector<State>& mid, double step) const;
   /// m/s2, no less than any point of a body is accelerated by, as it is now, but by contacts.
   [[nodiscard]] double hurry_of(std::uint32_t b) const;
-  /// Of the loads in a step, over the mean velocity of each body before and after its kick.
+  /// Of the loads along the way of each body in a step.
   [[nodiscard]] double work_of_loads(const std::vector<State>& mid, const std::vector<State>& after, double step) const;
   /// Those whose points have come apart act no more; what they held may move.
   void end_loads(std::vector<std::uint32_t>& freed);

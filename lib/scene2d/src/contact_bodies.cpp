@@ -84,6 +84,22 @@ std::vector<bem::Sym2> stress_of_modes(const bem::BlockOperator& block, const be
   return out;
 }
 
+/// Of each mode, see dbem::ModalBasis: the body grown evenly is a static extension of its boundary, so that the mass
+/// matrix has the integral over the body.
+std::vector<double> stretch_of(const bem::BlockOperator& block, const bem::Modes& modes, std::size_t count) {
+  const bem::Mesh& mesh = block.mesh();
+  std::vector<double> out(count, 0.0);
+  for (std::size_t i = 0; i < block.freedoms(); ++i) {
+    double pull = 0;
+    for (std::size_t k = 0; k < mesh.nodes.size(); ++k) {
+      const Vec2 x = mesh.nodes[k].x;
+      pull += block.mass_matrix()(i, 2 * k) * x.x + block.mass_matrix()(i, 2 * k + 1) * x.y;
+    }
+    for (std::size_t m = 0; m < count; ++m) out[m] += modes.shapes(i, m) * pull;
+  }
+  return out;
+}
+
 std::expected<Shape, Problem> make_shape(const ContactScene& scene, std::size_t index, unsigned threads) {
   const ContactBody& body = scene.bodies[index];
   const ContactSettings& settings = scene.settings;
@@ -139,6 +155,7 @@ std::expected<Shape, Problem> make_shape(const ContactScene& scene, std::size_t 
       }
     }
   }
+  if (!body.clamped()) shape.modes.stretch = stretch_of(shape.block, modes, count);
   shape.stress.poisson = settings.plane == bem::PlaneState::strain ? *body.poisson : 0;
   shape.stress.values = stress_of_modes(shape.block, modes, count);
   return shape;

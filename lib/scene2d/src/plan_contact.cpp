@@ -25,8 +25,15 @@ double extent(const ContactScene& scene) {
   return std::max({box.high.x - box.low.x, box.high.y - box.low.y, 0.0});
 }
 
-/// Largest strain that weight, loads and impacts can be expected to make: stress of the overburden, of the loads and
-/// of a wave of the speed at the start, over the modulus.
+/// From its first corner to the farthest.
+double across(const ContactBody& body) {
+  double longest = 0;
+  for (const Vec2 p : body.corners) longest = std::max(longest, norm(p - body.corners.front()));
+  return longest;
+}
+
+/// Largest strain that weight, loads and impacts can be expected to make: stress of the overburden, of the loads, of a
+/// wave of the speed at the start and of the spin, over the modulus.
 std::optional<double> strain_of(const ContactScene& scene) {
   const double size = extent(scene);
   std::optional<double> most;
@@ -34,11 +41,10 @@ std::optional<double> strain_of(const ContactScene& scene) {
     if (body.fixed || !body.young) continue;
     double stress = body.density * norm(scene.settings.gravity) * size;
     for (const ContactLoad& load : body.loads) {
-      double longest = 0;
-      for (const Vec2 p : body.corners) longest = std::max(longest, norm(p - body.corners.front()));
-      stress += load.side ? std::abs(load.pressure) + norm(load.traction) : norm(load.force) / longest;
+      stress += load.side ? std::abs(load.pressure) + norm(load.traction) : norm(load.force) / across(body);
     }
     stress += std::sqrt(body.density * *body.young) * norm(body.velocity);
+    stress += 0.125 * body.density * std::pow(body.spin * across(body), 2);
     most = std::max(most, std::optional{stress / *body.young});
   }
   return most;

@@ -240,8 +240,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
     options.longest_step = s.max_step;
     options.displacement = s.largest_move;
     options.overlap_at_start = 2e-5;  // the scene's own check is stricter
-    // Bodies that bend are parted as if rigid.
-    if (result.elastic) options.overlap = options.overlap_at_start;
+    options.overlap_elastic = options.overlap_at_start;  // bodies that bend are parted as if rigid
     options.quasi_static = s.to_rest;
     options.adaptive = s.to_rest || s.max_step > s.step;
     options.solver.method = s.solver;

@@ -23,6 +23,9 @@ struct ModalBasis {
   /// corners of Body::outline. Between corners a shape is linear along the edge.
   std::vector<double> shapes;
   double damping = 0;  ///< share of critical damping of every mode
+  /// By mode: what the centrifugal load of a spin of 1 rad/s drives it with, the integral of density times phi . X over
+  /// the body. Empty: none is felt.
+  std::vector<double> stretch = {};
 };
 
 /// A force at a point that moves with the body, times a function of time (s).

@@ -86,7 +86,8 @@ struct WorldOptions {
   std::optional<double> position_error = {};
   std::size_t cuts = 6;            ///< thirds a failed step is cut into before the run stops
   double overlap = 1e-6;           ///< overlap allowed after a step over the smaller body's size
-  double overlap_at_start = 1e-6;  ///< the same at the start: what is more than after a step is parted in the first
+  double overlap_elastic = 1e-6;   ///< the same between two bodies of which one bends
+  double overlap_at_start = 1e-6;  ///< of all at the start: what is more than after a step is parted in the first
   double regularisation = 1e-10;   ///< compliance on the diagonal of W, relative
   bool sleep = true;               ///< bodies at rest are left alone until something touches them
   double sleep_speed = 1e-7;       ///< m/s
