@@ -8,6 +8,7 @@
 #include "crumbs.hpp"
 #include "cut_notes.hpp"
 #include "group_notes.hpp"
+#include "holds_at_border.hpp"
 #include "judge.hpp"
 
 namespace cleave::scene {
@@ -286,26 +287,6 @@ void add_border_notes(const Realization& made, std::vector<std::string>& notes) 
   }
 }
 
-/// Bolts that hold on to what only a side of the domain holds.
-void add_anchor_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
-  if (support.held_by_border.empty()) return;
-  const std::size_t count = support.held_by_border.size();
-  notes.push_back(fmt::format(
-      "bolts go through {} {} that only a side of the domain holds ({}{}): they count as rock that stays, so that what "
-      "is bolted to them alone may move with them; enlarge the domain",
-      count, count == 1 ? "block" : "blocks", support.held_by_border.front().value(), count > 1 ? ", ..." : ""));
-}
-
-/// Shotcrete that is held at what only a side of the domain holds.
-void add_sprayed_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
-  if (support.sprayed_at_border.empty()) return;
-  const std::size_t count = support.sprayed_at_border.size();
-  notes.push_back(fmt::format(
-      "shotcrete at the edges of blocks is held at {} {} that only a side of the domain holds ({}{}): they count as "
-      "rock that stays, so that what hangs on that layer may move with them; enlarge the domain",
-      count, count == 1 ? "block" : "blocks", support.sprayed_at_border.front().value(), count > 1 ? ", ..." : ""));
-}
-
 /// Earthquakes and surcharges of the base case that a wrong sign turns into what holds the rock.
 void add_sign_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
   if (made.window) return;
@@ -324,14 +305,29 @@ void add_sign_notes(const Scene& scene, const Realization& made, std::vector<std
                       after, before));
     }
   }
+  const auto pulling = [&](const LoadSet& own) {
+    std::vector<std::pair<std::size_t, std::string>> found;  // where it does first
+    const auto add = [&](const topology::BlockComplex& state, const std::string& when) {
+      for (const std::size_t i : stability::pulling_surcharges(state, own.actions)) {
+        if (std::ranges::find(found, i, [](const auto& f) { return f.first; }) == found.end())
+          found.emplace_back(i, when);
+      }
+    };
+    add(complex.complex(), "");
+    if (!made.sequence) return found;
+    for (const StageResult& row : made.sequence->stages) {
+      if (row.complex && *row.complex) add((*row.complex)->complex(), fmt::format("after stage {}: ", row.stage));
+    }
+    return found;
+  };
   const auto look = [&](const LoadSet& own, std::size_t known, const std::string& where) {
-    for (const std::size_t i : stability::pulling_surcharges(complex.complex(), own.actions)) {
+    for (const auto& [i, when] : pulling(own)) {
       // What a case takes over from the base case comes first in its lists and was said there.
       if (i < known) continue;
       notes.push_back(fmt::format(
-          "{}surcharge[{}] pulls at the faces it acts on: `traction` is the force on the rock, z upward, and "
+          "{}{}surcharge[{}] pulls at the faces it acts on: `traction` is the force on the rock, z upward, and "
           "a weight on level ground has a negative z; check its sign",
-          where, i + 1));
+          where, when, i + 1));
     }
   };
   look(loads, 0, "");
@@ -484,8 +480,7 @@ namespace {
 /// What bolts and shotcrete hold on to, and what they were not asked to hold.
 void add_support_notes(const Realization& made, std::vector<std::string>& notes) {
   if (!made.support) return;
-  add_anchor_note(*made.support, notes);
-  add_sprayed_note(*made.support, notes);
+  add_holds_at_border_notes(made, notes);
   add_turning_note(*made.support, made.group_support, "", notes);
   for (const CaseSupport& load : made.support_cases) {
     add_turning_note(load.support, load.groups, fmt::format("load case {}: ", load.name), notes);
