@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "cleave/realize/monte_carlo.hpp"
 #include "cleave/realize/run.hpp"
 #include "run_scene.hpp"
 
@@ -102,6 +103,45 @@ TEST(HeldNotes, NorWhereASlightTaperReachesIt) {
   // Between parallel walls it is below its target in its own right, as all else says.
   const RunResult straight = run_of(slab(40, "target = { sliding = 1.3 }\n", 0.0));
   EXPECT_EQ(notes_with(straight, "reaches the target"), 0U);
+}
+
+// At strengths over the target, as the replay of the realization does.
+TEST(HeldNotes, EnsemblesCountWhatReachesATargetByWhatMayNotBeThere) {
+  const auto expect_same = [](const std::optional<stochastic::StayingAtTarget>& counted,
+                              const std::optional<HeldAtTarget>& replayed) {
+    ASSERT_TRUE(counted && replayed);
+    EXPECT_EQ(counted->border.count, replayed->border.count);
+    EXPECT_EQ(counted->border.volume.si(), replayed->border.volume.si());
+    EXPECT_EQ(counted->tapered.count, replayed->tapered.count);
+    EXPECT_EQ(counted->tapered.volume.si(), replayed->tapered.volume.si());
+  };
+  const std::string quake = "[[load]]\nname = \"quake\"\nseismic = [0.1, 0, 0]\n";
+  const std::string ensemble = "[monte_carlo]\nrealizations = 2\n", decide = "groups = \"decide\"\n";
+  // By sides of the domain, by a taper; 40 degrees miss 1.3 in the base case, 45 under the load alone.
+  for (const std::optional<double> walls : {std::optional<double>{}, std::optional{0.004}}) {
+    for (const double friction : {40.0, 45.0}) {
+      for (const std::string& how : {"target = { sliding = 1.3 }\n" + decide, std::string{shotcrete}}) {
+        const Scene scene = scene_of(slab(friction, how + quake + ensemble, walls));
+        const stochastic::Record record = make_record(scene, shared_by_realizations(scene), 1);
+        StageTimer timer;
+        Progress progress{ProgressStyle::quiet};
+        const auto replay = run(scene, {.realization = 1}, timer, progress);
+        ASSERT_TRUE(replay.has_value());
+        expect_same(record.at_target, replay->figures.key_blocks->held_at_target);
+        ASSERT_EQ(record.cases.size(), 1U);
+        expect_same(record.cases[0].at_target, replay->figures.load_cases.at(0).figures.held_at_target);
+        const stochastic::Staying& base = walls ? record.at_target->tapered : record.at_target->border;
+        EXPECT_EQ(base.count, friction < 45 ? 1U : 0U);
+        EXPECT_NEAR(base.volume.si(), friction < 45 ? (walls ? 286.0 : 477.6) : 0, 1);
+        const auto& shaken = *record.cases[0].at_target;
+        EXPECT_EQ((walls ? shaken.tapered : shaken.border).count, 1U);
+        // At strengths as they are nothing of it shows.
+        EXPECT_EQ(record.border->count + record.tapered->count, 0U);
+      }
+    }
+  }
+  const Scene none = scene_of(slab(40, ensemble));
+  EXPECT_FALSE(make_record(none, shared_by_realizations(none), 0).at_target.has_value());
 }
 
 TEST(HeldNotes, SidesOfTheDomainAreToldOfAfterStages) {

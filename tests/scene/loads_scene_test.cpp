@@ -351,5 +351,22 @@ shotcrete = { thickness = 0.1, strength = 1e5, on = "all" }
             1U);
 }
 
+// Loads add up: an earthquake of nothing does not take that of the base case away.
+TEST(LoadsScene, ACaseWithoutAnEarthquakeOfItsOwnHasThatOfTheBaseCase) {
+  const auto told = [](std::string_view base, std::string_view own) {
+    const Scene scene = scene_of(with_box("[stability]\nfree = [\"top\"]\nseismic = " + std::string{base} +
+                                          "\n[[load]]\nname = \"calm\"\nseismic = " + std::string{own} + "\n"));
+    EXPECT_EQ(
+        scene.stability->cases.at(0).loads.body.seismic(),
+        scene.stability->loads.body.seismic() + (own == "[0.1, 0, 0]" ? geometry::Vec3{0.1, 0, 0} : geometry::Vec3{}));
+    return std::ranges::count_if(scene.notes, [](const Problem& note) {
+      return note.what == "adds nothing to the earthquake of [stability], which acts in this case as well";
+    });
+  };
+  EXPECT_EQ(told("[0.2, 0, 0]", "[0, 0, 0]"), 1);
+  EXPECT_EQ(told("[0.2, 0, 0]", "[0.1, 0, 0]"), 0);
+  EXPECT_EQ(told("[0, 0, 0]", "[0, 0, 0]"), 0);
+}
+
 }  // namespace
 }  // namespace cleave::scene::test::loads_scene_test

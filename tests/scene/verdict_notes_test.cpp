@@ -152,7 +152,8 @@ TEST(VerdictNotes, SurchargesThatPullAreSaid) {
 }
 
 /// A slab of the roof, 5 x 6 x 1 m, beside one of 6 or more that reaches the south side of the domain at y = 0.
-std::string roof_slabs(double from) {
+/// `loads`: keys of [stability], and tables after it.
+std::string roof_slabs(double from, const std::string& loads = "") {
   std::string text =
       "[domain]\nbox = { min = [0, 0, 0], max = [40, 20, 30] }\n[[excavation]]\nname = \"T\"\nkind = \"tunnel\"\n"
       "section = { shape = \"rectangle\", width = 6, height = 6 }\naxis = [[20, -1, 10], [20, 21, 10]]\n";
@@ -171,10 +172,13 @@ std::string roof_slabs(double from) {
   }
   for (const double y : {7.0, 13.0}) side(17.47, y, 22.53, y);
   if (from > 0) side(17.47, from, 22.53, from);
-  return text +
-         "[joints.R]\nfriction = 30\n[rock]\ndensity = 2700\n[stability]\n[support]\n"
-         "shotcrete = { thickness = 0.07, strength = 1e6 }\n";
+  return text + "[joints.R]\nfriction = 30\n[rock]\ndensity = 2700\n[stability]\n" + loads +
+         "[support]\nshotcrete = { thickness = 0.07, strength = 1e6 }\n";
 }
+/// Takes the walls and the roof of the tunnel away.
+constexpr const char* wider =
+    "[[excavation]]\nname = \"wider\"\nkind = \"tunnel\"\nstage = 2\n"
+    "section = { shape = \"rectangle\", width = 8, height = 12 }\naxis = [[20, -1, 10], [20, 21, 10]]\n";
 
 TEST(VerdictNotes, ShotcreteHeldAtWhatOnlyTheBorderHoldsIsSaid) {
   constexpr std::string_view words =
@@ -183,6 +187,26 @@ TEST(VerdictNotes, ShotcreteHeldAtWhatOnlyTheBorderHoldsIsSaid) {
   const RunResult inside = run_of(roof_slabs(1));
   EXPECT_EQ(notes_with(inside, words), 0U);
   EXPECT_FALSE(inside.figures.support->passes());
+  // Under a load case alone: without it a pressure carries the roof.
+  const std::string carried = "surcharge = [{ on = \"T\", pressure = 60e3 }]\n";
+  EXPECT_EQ(notes_with(run_of(roof_slabs(-1, carried)), words), 0U);
+  const RunResult under =
+      run_of(roof_slabs(-1, carried + "[[load]]\nname = \"empty\"\nsurcharge = [{ on = \"T\", pressure = -60e3 }]\n"));
+  EXPECT_EQ(notes_with(under, "load case empty: shotcrete at the edges of blocks is held at 1 block"), 1U);
+  EXPECT_EQ(notes_with(under, words), 1U);
+  // And after a stage that leaves nothing of it.
+  const RunResult staged = run_of(roof_slabs(-1, wider));
+  EXPECT_EQ(notes_with(staged, "after stage 1: shotcrete at the edges of blocks is held at 1 block"), 1U);
+  EXPECT_EQ(notes_with(staged, words), 1U);
+}
+
+TEST(VerdictNotes, SurchargesThatPullInAStageAreSaid) {
+  const auto loaded = [](double pressure) {
+    return roof_slabs(-1, fmt::format("surcharge = [{{ on = \"T\", pressure = {} }}]\n", pressure) + wider);
+  };
+  constexpr std::string_view words = "after stage 1: surcharge[1] pulls at the faces it acts on";
+  EXPECT_EQ(notes_with(run_of(loaded(-5e3)), words), 1U);
+  EXPECT_EQ(notes_with(run_of(loaded(5e3)), words), 0U);
 }
 
 /// An active and a passive wedge of a trough, one on each side of a vertical joint.

@@ -206,6 +206,63 @@ TEST(GroupSupportTest, OneBlockIsHeldAsTheCheckOfBlocksSays) {
   }
 }
 
+/// What moves at an angle to the face that it comes out of has all of its layer against it, here as by itself.
+TEST(GroupSupportTest, ShotcreteHoldsWhatSlidesAsTheCheckOfBlocksSays) {
+  // A slab on 40 degrees, and a wedge between two planes, in the wall of a cutting.
+  topology::CutInput slab{.domain = geometry::make_box({0, 0, 0}, {14, 2, 8}).value(),
+                          .joints = {},
+                          .excavations = {geometry::make_box({-1, -1, 4}, {5, 3, 9}).value()},
+                          .free_domain_tags = {2, 3, 5}};
+  const double dip = 40 * std::numbers::pi / 180;
+  slab.joints.emplace_back(topology::PersistentJoint{{5, 0, 5.5}, {-std::sin(dip), 0, std::cos(dip)}});
+  topology::CutInput wedge{.domain = geometry::make_box({0, -10, 0}, {20, 10, 8}).value(),
+                           .joints = {},
+                           .excavations = {geometry::make_box({-1, -11, 2}, {5, 11, 9}).value()},
+                           .free_domain_tags = {5}};
+  for (const double side : {-1.0, 1.0}) {
+    wedge.joints.emplace_back(topology::PersistentJoint{{5, 0, 4}, geometry::normalized({-0.9, side * 1.1, 1})});
+  }
+  for (const topology::CutInput& input : {slab, wedge}) {
+    const auto complex = audited(input);
+    const Settings settings = statics::settings({strength(25)});
+    SupportPlan plan{.shotcrete = Shotcrete{.thickness = metres(0.1), .shear_strength = pascals(1e-3)},
+                     .target_falling = 1.5,
+                     .target_sliding = 1.3};
+    const auto alone = [&] { return check_support(complex, settings, analyse(complex, settings), plan); };
+    const SupportResult little = alone();
+    ASSERT_EQ(little.blocks.size(), 1U);
+    const double needed = 1e-3 / 0.1 * little.blocks[0].needed_thickness.value();  // Pa, at 0.1 m
+    for (const double share : {0.99, 1.01}) {
+      plan.shotcrete->shear_strength = pascals(share * needed);
+      EXPECT_EQ(alone().passes(), share > 1);
+      EXPECT_EQ(left(complex, settings, plan) == 0, share > 1) << share;
+    }
+  }
+}
+
+/// Beyond two sides of the plug lie two blocks each: the layer is held at both of them.
+TEST(GroupSupportTest, ShotcreteIsHeldAtSeveralBlocksBeyondOneEdge) {
+  const double deep = 1.5, weight = 4 * deep, y = 0.3, e = 0.1;
+  topology::CutInput input = block_in_a_roof(deep);
+  for (const double side : {-1.0, 1.0}) {
+    const double x = side, end = side * (5 + e);
+    input.joints.emplace_back(topology::Joint{
+        {geometry::Polygon::make({{x, y, -e}, {end, y, -e}, {end, y, 10 + e}, {x, y, 10 + e}}).value()}});
+  }
+  input.joints.emplace_back(topology::Joint{
+      {geometry::Polygon::make({{-1, y, deep}, {1, y, deep}, {1, y, 10 + e}, {-1, y, 10 + e}}).value()}});
+  const auto complex = audited(input);
+  ASSERT_EQ(complex.complex().blocks().size(), 3U);
+  const Settings settings = statics::settings({strength(10)});
+  SupportPlan plan{.target_falling = 1.5, .target_sliding = 1.3};
+  for (const double share : {0.99, 1.01}) {
+    plan.shotcrete = Shotcrete{
+        .thickness = metres(0.1), .shear_strength = pascals(share * 1.5 * weight / 0.8), .on = {AnyFreeFace{}}};
+    EXPECT_EQ(check_support(complex, settings, analyse(complex, settings), plan).passes(), share > 1);
+    EXPECT_EQ(left(complex, settings, plan) == 0, share > 1) << share;
+  }
+}
+
 TEST(GroupSupportTest, TwoBlocksOnOneBoltShareItsAnchor) {
   topology::CutInput input = block_in_a_roof(1.5);
   input.joints.emplace_back(topology::Joint{

@@ -352,6 +352,48 @@ TEST(EnsembleTest, NoMeanOfVolumesIsAboveTheRockThereIs) {
     EXPECT_EQ(find(e, name).low, find(f, name).low) << name;
   }
   EXPECT_EQ(find(e, "support_force_n").high, find(f, "support_force_n").high);
+  EXPECT_GT(find(f, "key_block_volume_m3_per_metre").high, 5000.0 / 50);
+  EXPECT_EQ(find(e, "key_block_volume_m3_per_metre").high, 5000.0 / 50);
+}
+
+// So of the forces that its blocks lack, where nothing but weight and earthquakes pulls at them.
+TEST(EnsembleTest, NoMeanOfForcesIsAboveWhatPullsAtAllRock) {
+  EnsembleOptions bounded = options();
+  bounded.cases = {"quake", "water"};
+  EnsembleOptions known = bounded;
+  known.pull = newtons(5000);
+  known.cases_pull = {newtons(6000), std::nullopt};
+  Ensemble free{bounded}, ends{known};
+  const auto add = [](Ensemble& ensemble) {
+    std::uint64_t k = 0;
+    for (const double force : {0.002, 0.001, 300.0, 0.004, 2000.0}) {
+      Record r = record(k++, {1});
+      r.all.support_n = r.first.support_n = force;
+      r.cases.resize(2);
+      for (CaseTally& c : r.cases) c.net = newtons(force);
+      ensemble.add(r, "r");
+    }
+  };
+  add(free);
+  add(ends);
+  const Figures f = free.figures(), e = ends.figures();
+  for (const std::string_view name : {"support_force_n", "first_batch_support_force_n"}) {
+    EXPECT_GT(find(f, name).high, 6000) << name;
+    EXPECT_EQ(find(e, name).high, 5000) << name;
+  }
+  EXPECT_EQ(find(e, "support_force_n_per_metre").high, 5000.0 / 50);
+  const auto high = [](const Figures& figures, std::size_t k) {
+    return std::ranges::find(figures.cases[k].estimates, "support_force_n", &Estimate::name)->high;
+  };
+  EXPECT_EQ(high(e, 0), 6000);
+  EXPECT_EQ(high(e, 1), high(f, 1));
+  EXPECT_GT(high(e, 1), 6000);
+  known.cases.clear();
+  known.cases_pull.clear();
+  Ensemble none{known};
+  for (std::uint64_t k = 0; k < 30; ++k) none.add(record(k, {}), "n");
+  const double met = 1 - std::pow(0.025, 1.0 / 30);
+  EXPECT_NEAR(find(none.figures(), "support_force_n").high, 5000 * met, 1e-5);
 }
 
 // A mean of nothing but zeros has no interval of its own: of volumes the chance to meet one bounds it, of what has no

@@ -236,11 +236,26 @@ std::uint64_t count_behind(const stability::Analysis& analysis, const stability:
   return behind;
 }
 
+/// Blocks that the support holds by themselves, but not, or not for certain, with the others of their group.
+std::uint64_t count_held_in_failing_groups(const stability::SupportResult& support,
+                                           const std::optional<stability::GroupSupport>& groups) {
+  if (!groups) return 0;
+  std::vector<topology::BlockId> failing;
+  for (const stability::KeyGroup& group : groups->below.groups) {
+    if (groups->left_of(group)) failing.insert(failing.end(), group.blocks.begin(), group.blocks.end());
+  }
+  std::ranges::sort(failing);
+  return static_cast<std::uint64_t>(std::ranges::count_if(support.blocks, [&](const stability::SupportedBlock& block) {
+    return block.held != stability::Held::not_held && std::ranges::binary_search(failing, block.block);
+  }));
+}
+
 SupportFigures count_support(const RunResult& result, const stability::Analysis& analysis,
                              const stability::SupportResult& support,
                              const std::optional<stability::GroupSupport>& groups) {
   SupportFigures figures = scene::count_support(support);
   figures.key_blocks_behind = count_behind(analysis, support, groups);
+  figures.held_in_failing_groups = count_held_in_failing_groups(support, groups);
   std::vector<PressureAt> blocks;
   for (const stability::SupportedBlock& b : support.blocks) {
     for (const OpenPlace& place : pressed_places(result, result.complex->complex(), b)) {
@@ -364,11 +379,13 @@ Figures count(const RunResult& result) {
                              held.all_free.si() > 0 ? held.free_area / held.all_free : 0, held.together};
   };
   if (figures.key_blocks && result.domain_held) figures.key_blocks->domain_held = count_held(*result.domain_held);
+  if (figures.key_blocks) figures.key_blocks->held_at_target = result.held_at_target;
   figures.groups = base_groups(result);
   for (const CaseResult& load : result.load_cases) {
     CaseFigures& row =
         figures.load_cases.emplace_back(load.name, count_key_blocks(load.analysis, target_under(result, load.name)));
     if (load.domain_held) row.figures.domain_held = count_held(*load.domain_held);
+    row.figures.held_at_target = load.held_at_target;
     if (!load.groups) continue;
     row.groups = count_key_groups(*load.groups);
     row.groups->in_all = count_in_all(result, load.analysis, load.groups);

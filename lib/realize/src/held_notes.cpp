@@ -135,10 +135,10 @@ HeldNotes::Rows HeldNotes::kept_by(Reason reason, const JudgedState& state, cons
   Rows rows;
   switch (reason) {
     case Reason::border: {
-      stability::DomainHeld held = stability::domain_held(complex, with, analysis);
-      const std::optional<stability::KeyGroups>& groups = *state.groups;
-      if (groups && !groups->too_many) (void)stability::add_held_together(complex, with, analysis, *groups, held);
-      rows = rows_of(state, held, factor);
+      rows = rows_of(state,
+                     state.border_at_target != nullptr ? *state.border_at_target
+                                                       : held_by_border(complex, with, analysis, state.groups),
+                     factor);
       break;
     }
     case Reason::taper: rows = rows_of(state, stability::held_by_taper(complex, with, analysis), factor); break;
@@ -326,6 +326,38 @@ void HeldNotes::look(const JudgedState& state) {
   if (!state.target) return;
   at_target(state);
   if (!scene_->support) below_target(state);
+}
+
+std::optional<Targets> targets_under(const Scene& scene, const LoadCase* load) {
+  if (load != nullptr && load->target) return load->target;
+  if (scene.stability->target) return scene.stability->target;
+  if (!scene.support) return std::nullopt;
+  return Targets{.falling = scene.support->plan.target_falling, .sliding = scene.support->plan.target_sliding};
+}
+
+stability::DomainHeld held_by_border(const topology::AuditedComplex& complex, const stability::Settings& settings,
+                                     const stability::Analysis& analysis,
+                                     const std::optional<stability::KeyGroups>* groups) {
+  stability::DomainHeld held = stability::domain_held(complex, settings, analysis);
+  if (groups != nullptr && *groups && !(*groups)->too_many) {
+    (void)stability::add_held_together(complex, settings, analysis, **groups, held);
+  }
+  return held;
+}
+
+HeldAtTarget held_at_target(const topology::AuditedComplex& complex, const stability::Settings& with,
+                            const stability::Analysis& analysis, const std::optional<stability::KeyGroups>* groups,
+                            const stability::DomainHeld& border, double target) {
+  HeldAtTarget out{.border = {border.blocks.size(), border.volume}, .tapered = {}};
+  auto tapered = stability::held_by_taper(complex, with, analysis);
+  if (groups != nullptr) tapered = in_no_group(std::move(tapered), *groups);
+  for (const stability::Barred& row : tapered) {
+    const Judgement* own = judgement_of(analysis, row.block);
+    if (own != nullptr && stability::moves(own->mode) && own->factor_of_safety < target) continue;
+    ++out.tapered.count;
+    out.tapered.volume += row.volume;
+  }
+  return out;
 }
 
 }  // namespace cleave::scene

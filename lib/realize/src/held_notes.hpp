@@ -26,6 +26,8 @@ struct JudgedState {
   const stability::DomainHeld* held = nullptr;
   /// Groups that move at strengths over the target, where nothing else tells of them.
   const std::optional<stability::KeyGroups>* below_target = nullptr;
+  /// What these sides hold at strengths over the target, alone and together; null: not looked for yet.
+  const stability::DomainHeld* border_at_target = nullptr;
 };
 
 /// Looks in every state at what stays, or reaches its target, only by what may not be there, and at what misses its

@@ -151,6 +151,7 @@ void judge_support_in_stages(const Scene& scene, Realization& made, bool with_gr
       stage_case.not_held = found.not_held + found.turning_not_held;
       stage_case.combined_failing = found.combined_failing;
       fails_under_load = fails_under_load || stage_case.fails();
+      stage_case.at_border = {under_load.held_by_border, under_load.sprayed_at_border};
     }
     std::optional<stability::GroupSupport> groups;
     if (asks(installed)) groups = check_groups(complex, settings, plan, installed, together(scene, threads));
@@ -171,6 +172,7 @@ void judge_support_in_stages(const Scene& scene, Realization& made, bool with_gr
                                .too_many = too_many};
     if (groups && !too_many) row.support->groups = count_supported_groups(*groups);
     row.support->fails_under_load = fails_under_load;
+    row.support->at_border = {installed.held_by_border, installed.sprayed_at_border};
   }
 }
 

@@ -141,14 +141,29 @@ void add_sign_notes(const Scene& scene, const Realization& made, std::vector<std
                       after, before));
     }
   }
+  const auto pulling = [&](const LoadSet& own) {
+    std::vector<std::pair<std::size_t, std::string>> found;  // where it does first
+    const auto add = [&](const topology::BlockComplex& state, const std::string& when) {
+      for (const std::size_t i : stability::pulling_surcharges(state, own.actions)) {
+        if (std::ranges::find(found, i, [](const auto& f) { return f.first; }) == found.end())
+          found.emplace_back(i, when);
+      }
+    };
+    add(complex.complex(), "");
+    if (!made.sequence) return found;
+    for (const StageResult& row : made.sequence->stages) {
+      if (row.complex && *row.complex) add((*row.complex)->complex(), fmt::format("after stage {}: ", row.stage));
+    }
+    return found;
+  };
   const auto look = [&](const LoadSet& own, std::size_t known, const std::string& where) {
-    for (const std::size_t i : stability::pulling_surcharges(complex.complex(), own.actions)) {
+    for (const auto& [i, when] : pulling(own)) {
       // What a case takes over from the base case comes first in its lists and was said there.
       if (i < known) continue;
       notes.push_back(fmt::format(
-          "{}surcharge[{}] pulls at the faces it acts on: `traction` is the force on the rock, z upward, and "
+          "{}{}surcharge[{}] pulls at the faces it acts on: `traction` is the force on the rock, z upward, and "
           "a weight on level ground has a negative z; check its sign",
-          where, i + 1));
+          where, when, i + 1));
     }
   };
   look(loads, 0, "");

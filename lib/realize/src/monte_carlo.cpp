@@ -15,6 +15,7 @@
 #include "cleave/realize/run.hpp"
 #include "cleave/stochastic/ordered.hpp"
 #include "group_notes.hpp"
+#include "judge.hpp"
 
 namespace cleave::scene {
 
@@ -65,6 +66,21 @@ std::vector<std::vector<std::uint32_t>> orders_of(const Scene& scene) {
 namespace {
 /// One in the rock: all but cuts from above.
 bool has_own_opening(const Scene& scene) { return std::ranges::any_of(scene.excavations, &Excavation::own_shape); }
+
+/// What pulls at all rock of the domain at most: nothing but its weight, and an earthquake.
+std::optional<Force> pull_of(const Scene& scene, const LoadSet& loads) {
+  const stability::ActionSpec& spec = loads.actions.spec();
+  if (!loads.dry() || !spec.surcharges.empty() || !spec.points.empty() || !spec.lines.empty()) return std::nullopt;
+  const geometry::Vec3 gravity = loads.body.gravity();
+  double shakes = 1;
+  if (scene.monte_carlo) {
+    const NumberLaw& law = scene.monte_carlo->seismic_factor;
+    shakes = law.kind == FrictionLaw::Kind::constant ? law.mean : law.max;
+  }
+  const Force weight = scene.rock.mass.density() * scene.domain.volume() * metres_per_second_squared(norm(gravity)) *
+                       scene.stability->partial.weight();
+  return (1 + shakes * norm(loads.body.seismic())) * weight;
+}
 }  // namespace
 
 std::optional<Length> tunnel_in_rock(const Scene& scene) {
@@ -95,13 +111,16 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
                                       .orders = orders_of(scene).size(),
                                       .lifts = scene.stability && scene.stability->loads.lifts(),
                                       .strengths_per_geometry = strengths_per_geometry(scene)};
+  options.at_target = scene.stability && targets_under(scene, nullptr);
   options.turning = scene.stability && scene.stability->rotation != stability::RotationCheck::off;
   if (!questions.axis.empty()) options.tunnel_length_m = stochastic::length_of(questions.axis);
   for (const auto& [name, p] : Percentiles::levels) options.size_levels.push_back(p);
   if (scene.stability) {
+    options.pull = pull_of(scene, scene.stability->loads);
     for (const LoadCase& load : scene.stability->cases) {
       options.cases.push_back(load.name);
       options.cases_lift.push_back(load.loads.lifts());
+      options.cases_pull.push_back(pull_of(scene, load.loads));
     }
   }
   for (const NamedSet& set : scene.sets) options.sets.push_back(set.name);
@@ -225,6 +244,13 @@ stochastic::Staying tally_tapered(const std::vector<stability::Barred>& tapered,
   return sum;
 }
 
+std::optional<stochastic::StayingAtTarget> tally_at_target(const std::optional<HeldAtTarget>& held) {
+  return held.transform([](const HeldAtTarget& h) {
+    return stochastic::StayingAtTarget{.border = {h.border.count, h.border.volume},
+                                       .tapered = {h.tapered.count, h.tapered.volume}};
+  });
+}
+
 std::vector<stochastic::CaseTally> tally_cases(const Realization& made, const Scene& scene,
                                                const stochastic::Questions& questions) {
   const topology::BlockComplex& complex = made.complex->complex();
@@ -237,6 +263,7 @@ std::vector<stochastic::CaseTally> tally_cases(const Realization& made, const Sc
     }
     tally.tapered = tally_tapered(load.tapered, load.groups, questions);
     tally.turning = stochastic::count_turning(load.analysis);
+    if (made.held_at_target) tally.at_target = tally_at_target(load.held_at_target);
     tally.at_parts = tally_parts(scene, complex, load.analysis);
     if (questions.groups && load.groups) tally.groups = tally_groups(*load.groups);
     if (k >= made.support_cases.size()) continue;
@@ -303,6 +330,7 @@ Record record_of(std::uint64_t k, const Realization& made, const Scene& scene, c
   if (made.analysis) record.at_parts = tally_parts(scene, complex, *made.analysis);
   if (questions.groups && made.key_groups) record.groups = tally_groups(*made.key_groups);
   if (made.analysis) record.turning = stochastic::count_turning(*made.analysis);
+  record.at_target = tally_at_target(made.held_at_target);
   if (made.analysis) record.tapered = tally_tapered(made.tapered, made.key_groups, questions);
   record.cases = tally_cases(made, scene, questions);
   if (made.flow) record.flow = tally_flow(*made.flow);

@@ -243,6 +243,7 @@ void Realizer::judge_load_cases() {
     load.domain_held =
         with_groups(*load.held_alone, pushed, load.analysis, load.groups, "load case " + load.name + ": ");
     load.tapered = stability::held_by_taper(complex, pushed, load.analysis);
+    load.held_at_target = at_target(pushed, load.analysis, load.groups, &scene_->stability->cases[k]);
   }
 }
 

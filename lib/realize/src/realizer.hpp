@@ -73,6 +73,12 @@ class Realizer final {
   // What stays by something that may not be there (realizer_held.cpp).
   /// Blocks that stay for a reason that may not hold: a side of the domain, a slight taper.
   void hold_by_next_to_nothing(const stability::Settings& settings);
+  /// What reaches its target so; empty without one.
+  [[nodiscard]] std::optional<HeldAtTarget> at_target(const stability::Settings& settings,
+                                                      const stability::Analysis& analysis,
+                                                      const std::optional<stability::KeyGroups>& groups,
+                                                      const LoadCase* load);
+  [[nodiscard]] const stability::DomainHeld* border_at(std::size_t number) const;
   void taper_of_stages();
   /// In all states, what a reader should not be left to find out.
   void look_for_held();
@@ -109,6 +115,8 @@ class Realizer final {
   std::vector<std::string> notes_;
   /// What misses its target without support, where a search for designs has found it: base case, then load cases.
   std::vector<stability::KeyGroups> below_target_;
+  /// What sides of the domain hold at strengths over the target: base case, then load cases.
+  std::vector<stability::DomainHeld> border_at_target_;
 };
 
 }  // namespace cleave::scene

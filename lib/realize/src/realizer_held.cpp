@@ -14,6 +14,21 @@ void Realizer::hold_by_next_to_nothing(const stability::Settings& settings) {
   made_.tapered = stability::held_by_taper(*made_.complex, settings, *made_.analysis);
   made_.held_alone = stability::domain_held(*made_.complex, settings, *made_.analysis);
   made_.domain_held = with_groups(*made_.held_alone, settings, *made_.analysis, made_.key_groups, "");
+  border_at_target_.clear();
+  made_.held_at_target = at_target(settings, *made_.analysis, made_.key_groups, nullptr);
+}
+
+/// Of states in their order: base case, then load cases.
+std::optional<HeldAtTarget> Realizer::at_target(const stability::Settings& settings,
+                                                const stability::Analysis& analysis,
+                                                const std::optional<stability::KeyGroups>& groups,
+                                                const LoadCase* load) {
+  const std::optional<Targets> target = target_of(load);
+  if (!target) return std::nullopt;
+  const stability::Settings with = with_strengths_over(settings, target->sliding);
+  const auto* together = scene_->stability->decides_by_groups() ? &groups : nullptr;
+  border_at_target_.push_back(held_by_border(*made_.complex, with, analysis, together));
+  return held_at_target(*made_.complex, with, analysis, together, border_at_target_.back(), target->sliding);
 }
 
 stability::DomainHeld Realizer::with_groups(stability::DomainHeld held, const stability::Settings& settings,
@@ -30,11 +45,12 @@ stability::DomainHeld Realizer::with_groups(stability::DomainHeld held, const st
   return held;
 }
 
-std::optional<Targets> Realizer::target_of(const LoadCase* load) const {
-  if (load != nullptr && load->target) return load->target;
-  if (scene_->stability->target) return scene_->stability->target;
-  if (!scene_->support) return std::nullopt;
-  return Targets{.falling = scene_->support->plan.target_falling, .sliding = scene_->support->plan.target_sliding};
+std::optional<Targets> Realizer::target_of(const LoadCase* load) const { return targets_under(*scene_, load); }
+
+/// As far as it knows all: where groups do not decide, that of single blocks.
+const stability::DomainHeld* Realizer::border_at(std::size_t number) const {
+  const bool all = scene_->stability->decides_by_groups() && number < border_at_target_.size();
+  return all ? &border_at_target_[number] : nullptr;
 }
 
 void Realizer::look_for_held() {
@@ -45,7 +61,8 @@ void Realizer::look_for_held() {
              .analysis = &*made_.analysis,
              .groups = &made_.key_groups,
              .target = target_of(nullptr),
-             .held = &*made_.domain_held});
+             .held = &*made_.domain_held,
+             .border_at_target = border_at(0)});
   for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
     const CaseResult& load = made_.load_cases[k];
     const LoadCase& stated = scene_->stability->cases[k];
@@ -57,7 +74,8 @@ void Realizer::look_for_held() {
                .where = "load case " + load.name + ": ",
                .place = JudgedState::Place::load,
                .held = &*load.domain_held,
-               .below_target = &load.groups_below_target});
+               .below_target = &load.groups_below_target,
+               .border_at_target = border_at(k + 1)});
   }
   if (made_.sequence) look_for_held_in_stages(held);
   made_.not_asked = held.not_asked();

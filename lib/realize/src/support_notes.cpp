@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "group_notes.hpp"
+#include "holds_at_border.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -19,26 +20,6 @@ void add_stage_groups_notes(const std::optional<SupportedGroupFigures>& groups, 
                   "{} in doubt: see sequence in summary.json",
                   where, groups->not_held, groups->count, groups->count == 1 ? "group" : "groups",
                   groups->not_held_volume.si(), groups->in_doubt));
-}
-
-/// Bolts that hold on to what only a side of the domain holds.
-void add_anchor_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
-  if (support.held_by_border.empty()) return;
-  const std::size_t count = support.held_by_border.size();
-  notes.push_back(fmt::format(
-      "bolts go through {} {} that only a side of the domain holds ({}{}): they count as rock that stays, so that what "
-      "is bolted to them alone may move with them; enlarge the domain",
-      count, count == 1 ? "block" : "blocks", support.held_by_border.front().value(), count > 1 ? ", ..." : ""));
-}
-
-/// Shotcrete that is held at what only a side of the domain holds.
-void add_sprayed_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
-  if (support.sprayed_at_border.empty()) return;
-  const std::size_t count = support.sprayed_at_border.size();
-  notes.push_back(fmt::format(
-      "shotcrete at the edges of blocks is held at {} {} that only a side of the domain holds ({}{}): they count as "
-      "rock that stays, so that what hangs on that layer may move with them; enlarge the domain",
-      count, count == 1 ? "block" : "blocks", support.sprayed_at_border.front().value(), count > 1 ? ", ..." : ""));
 }
 
 /// Key blocks that only turn and that nothing was asked to hold. `where`: the load case, before the note.
@@ -123,8 +104,7 @@ void add_stage_support_notes(const SequenceResult& sequence, std::vector<std::st
 
 void add_support_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
   if (!made.support) return;
-  add_anchor_note(*made.support, notes);
-  add_sprayed_note(*made.support, notes);
+  add_holds_at_border_notes(made, notes);
   add_turning_note(*made.support, made.group_support, "", notes);
   for (const CaseSupport& load : made.support_cases) {
     add_turning_note(load.support, load.groups, fmt::format("load case {}: ", load.name), notes);

@@ -125,6 +125,20 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
           "{:g} mm a metre and are not counted as key blocks: count on no such taper",
           estimate.mean, 1e3 * stability::slight_taper));
     }
+    if (estimate.name == "domain_held_at_target_count" && estimate.mean > 0) {
+      page.result.figures.notes.push_back(fmt::format(
+          "in the mean {:.3g} blocks a realization at free faces reach the target for sliding only because of sides of "
+          "the domain that are not free: enlarge the domain, or name these sides in `free`{}",
+          estimate.mean, scene.support ? "; the support is not asked to hold them" : ""));
+    }
+    if (estimate.name == "slight_taper_at_target_count" && estimate.mean > 0) {
+      page.result.figures.notes.push_back(
+          fmt::format("in the mean {:.3g} blocks a realization at free faces reach the target for sliding only because "
+                      "joints close "
+                      "on them by less than {:g} mm a metre: count on no such taper{}",
+                      estimate.mean, 1e3 * stability::slight_taper,
+                      scene.support ? "; the support is not asked to hold them" : ""));
+    }
     if (estimate.name != "domain_held_count" || !(estimate.mean > 0)) continue;
     page.result.figures.notes.push_back(fmt::format(
         "in the mean {:.3g} blocks a realization at free faces are held only by sides of the domain that are "

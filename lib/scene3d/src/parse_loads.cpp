@@ -351,6 +351,10 @@ std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader
   for (const TableReader& table : root.each("load")) {
     const auto name = table.need_text("name");
     StatedLoads loads = parse_load_set(context, table, domain, excavations);
+    if (table.has("seismic") && loads.seismic == geometry::Vec3{} && base.seismic != geometry::Vec3{}) {
+      table.note("seismic", "adds nothing to the earthquake of [stability], which acts in this case as well",
+                 "for a case without it, move it from [stability] to a [[load]] of its own");
+    }
     if (const TomlTable* combine = table.table("combine")) {
       for (const TomlEntry& entry : combine->entries) {
         const std::string path = table.path_of("combine") + "." + entry.key;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "cleave/stability/analyse.hpp"
 #include "flat.hpp"
 #include "surface_loads.hpp"
 
@@ -21,8 +22,6 @@ using topology::Face;
 using topology::FaceId;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// Of a unit normal and a unit direction: less is a motion along the face, but for rounding.
-constexpr double along_face = 1e-9;
 
 bool is_open(const topology::BlockComplex& complex, const Face& face,
              const std::function<bool(topology::BlockId)>& gone) {
@@ -108,6 +107,37 @@ std::vector<KeyedEdge> keyed_edges(const topology::BlockComplex& complex, topolo
     if (it != beyond.end()) out.push_back({a, b, face, it->second});
   });
   return out;
+}
+
+std::vector<EdgePart> parts_along(const topology::BlockComplex& complex, const KeyedEdge& edge) {
+  const Vec3 a = complex.position(edge.from), along = complex.position(edge.to) - a;
+  const double length = norm(along);
+  const Face& face = complex.faces()[edge.beyond];
+  std::vector<topology::BlockId> beyond;
+  for (const topology::Patch& patch : complex.patches(face)) {
+    if (patch.neighbour) beyond.push_back(*patch.neighbour);
+  }
+  std::ranges::sort(beyond);
+  beyond.erase(std::ranges::unique(beyond).begin(), beyond.end());
+  if (beyond.size() == 1) return {{beyond.front(), a + 0.5 * along, length}};
+  // Of what the face shares with each, the corners on the edge.
+  constexpr double on_edge = 1e-6;
+  std::vector<EdgePart> parts;
+  double sum = 0;
+  for (const topology::BlockId neighbour : beyond) {
+    double low = 1, high = 0;
+    for (const Vec3 corner : shared_corners(complex, face, neighbour)) {
+      const double share = dot(corner - a, along) / (length * length);
+      if (norm(corner - a - share * along) > on_edge * length) continue;
+      low = std::min(low, std::clamp(share, 0.0, 1.0));
+      high = std::max(high, std::clamp(share, 0.0, 1.0));
+    }
+    if (!(high - low > on_edge)) continue;
+    parts.push_back({neighbour, a + 0.5 * (low + high) * along, (high - low) * length});
+    sum += parts.back().length;
+  }
+  for (EdgePart& part : parts) part.length *= std::min(1.0, length / sum);
+  return parts;
 }
 
 double held_per_metre(const Shotcrete& layer) {

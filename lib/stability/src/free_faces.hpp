@@ -15,6 +15,9 @@ namespace cleave::stability {
 [[nodiscard]] bool is_open(const topology::BlockComplex& complex, const topology::Face& face,
                            const std::function<bool(topology::BlockId)>& gone);
 
+/// Of a unit normal and a unit direction: less is a motion along the face, but for rounding.
+constexpr double along_face = 1e-9;
+
 /// Whether a block that moves comes out through a face: neither along it nor away from it.
 [[nodiscard]] bool moves_out_of(const topology::Face& face, geometry::Vec3 motion);
 
@@ -49,6 +52,15 @@ struct KeyedEdge {
 };
 [[nodiscard]] std::vector<KeyedEdge> keyed_edges(const topology::BlockComplex& complex, topology::BlockId block,
                                                  const std::function<bool(topology::BlockId)>& gone);
+
+/// What of an edge lies along one of the blocks beyond it.
+struct EdgePart {
+  topology::BlockId beyond;
+  geometry::Vec3 middle;  ///< m
+  double length = 0;      ///< m
+};
+/// Together no longer than the edge.
+[[nodiscard]] std::vector<EdgePart> parts_along(const topology::BlockComplex& complex, const KeyedEdge& edge);
 
 /// N/m: what a layer of sprayed concrete holds along an edge, ring shear limited by adhesion.
 [[nodiscard]] double held_per_metre(const Shotcrete& layer);

@@ -1,7 +1,9 @@
 #include "ties.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -10,6 +12,7 @@
 namespace cleave::stability {
 namespace {
 
+using geometry::cross;
 using geometry::dot;
 using geometry::norm;
 using geometry::Vec3;
@@ -17,6 +20,8 @@ using topology::BlockId;
 
 /// A block falls where nothing carries it: its rate is that of its load, to this share.
 constexpr double free_fall = 1e-6;
+/// Of the rates of two blocks, and of directions: a smaller difference is none.
+constexpr double together = 1e-6;
 
 bool falls(const Model& model, BlockId id, std::uint32_t batch, Vec3 velocity) {
   const double mass = model.settings().rock.density().si() * model.complex().blocks()[id].volume.si();
@@ -39,12 +44,12 @@ assembly::Contact pull_between(std::uint32_t body, std::optional<std::uint32_t> 
 Ties::Ties(const topology::BlockComplex& complex, const Settings& settings, const SupportPlan& plan,
            std::span<const BoltResult> bolts, const KeyGroups& unsupported)
     : complex_{&complex},
-      movement_(complex.blocks().size(), Vec3{}),
+      movement_(complex.blocks().size(), assembly::Rate{}),
       target_(complex.blocks().size(), plan.target_sliding) {
   const Model model{complex, settings};
   for (const KeyGroup& group : unsupported.groups) {
     for (std::size_t k = 0; k < group.blocks.size(); ++k) {
-      movement_[group.blocks[k]] = group.rates[k].velocity;
+      movement_[group.blocks[k]] = group.rates[k];
       if (falls(model, group.blocks[k], group.batch, group.rates[k].velocity))
         target_[group.blocks[k]] = plan.target_falling;
     }
@@ -57,23 +62,41 @@ Ties::Ties(const topology::BlockComplex& complex, const Settings& settings, cons
 void Ties::add_seams(const Shotcrete& layer, const std::function<bool(BlockId)>& gone) {
   const double per_metre = held_per_metre(layer);
   const Sprayed sprayed{*complex_, layer, gone};
+  std::map<std::array<std::uint32_t, 4>, std::size_t> at_edge;
   for (const BlockId id : complex_->blocks().ids()) {
     if (complex_->blocks()[id].fixed || gone(id)) continue;
     for (const KeyedEdge& edge : keyed_edges(*complex_, id, gone)) {
       if (!sprayed(complex_->faces()[edge.open])) continue;
-      // Where several blocks lie beyond, the edge may run along any of them.
-      std::optional<BlockId> beyond;
-      bool one = true;
-      for (const topology::Patch& patch : complex_->patches(complex_->faces()[edge.beyond])) {
-        if (!patch.neighbour) continue;
-        one = one && (!beyond || *beyond == *patch.neighbour);
-        beyond = patch.neighbour;
+      const Vec3 outward = complex_->faces()[edge.open].outward;
+      for (const EdgePart& part : parts_along(*complex_, edge)) {
+        const auto [from, to] = std::minmax(edge.from.value(), edge.to.value());
+        const auto [one, other] = std::minmax(id.value(), part.beyond.value());
+        const auto [twin, fresh] = at_edge.try_emplace({from, to, one, other}, seams_.size());
+        Seam seam{id, part.beyond, part.middle, outward, per_metre * part.length};
+        if (!fresh) {
+          seam.outward_beyond = seams_[twin->second].outward;
+          seams_[twin->second].outward_beyond = outward;
+        }
+        seams_.push_back(seam);
       }
-      if (!beyond || !one) continue;
-      const Vec3 a = complex_->position(edge.from), b = complex_->position(edge.to);
-      seams_.push_back({id, *beyond, 0.5 * (a + b), complex_->faces()[edge.open].outward, per_metre * norm(b - a)});
     }
   }
+}
+
+Vec3 Ties::movement_at(BlockId block, Vec3 at) const {
+  const assembly::Rate& rate = movement_[block];
+  return rate.velocity + cross(rate.spin, at - complex_->blocks()[block].centroid);
+}
+
+/// A block by itself has its layer straight against its motion, out of the face at whatever angle: so it is here.
+Ties::Pull Ties::pull_of(const Seam& seam) const {
+  const Vec3 own = movement_at(seam.block, seam.at), beyond = movement_at(seam.beyond, seam.at), apart = own - beyond;
+  if (!(norm(apart) > together * (norm(own) + norm(beyond)))) return {seam.outward, seam.force};
+  const Vec3 way = geometry::normalized(apart);
+  if (!(dot(way, seam.outward) > along_face)) return {seam.outward, 0};
+  if (norm(way - seam.outward) < together) return {seam.outward, seam.force};
+  const bool both = seam.outward_beyond && dot(-way, *seam.outward_beyond) > along_face;
+  return {way, both ? 0.5 * seam.force : seam.force};
 }
 
 double Ties::target(BlockId block, BlockId other) const { return std::max(target_[block], target_[other]); }
@@ -110,7 +133,7 @@ std::vector<assembly::Contact> Ties::among(const Model& model, std::span<const B
   for (const BoltResult& bolt : bolts_) {
     const Vec3 axis = bolt.bolt.direction;
     for (const BoltPull& pull : pulls_of(bolt, owner)) {
-      const Vec3 apart = movement_[pull.block] - movement_[pull.behind];
+      const Vec3 apart = movement_[pull.block].velocity - movement_[pull.behind].velocity;
       const double counts =
           pull.force.si() * share_at_angle(bolt.bolt, apart).value_or(1) / target(pull.block, pull.behind);
       if (!(counts > 0)) continue;
@@ -122,8 +145,9 @@ std::vector<assembly::Contact> Ties::among(const Model& model, std::span<const B
   for (const Seam& seam : seams_) {
     const auto body = number(seam.block);
     if (!body || !model.present(seam.beyond, batch)) continue;
-    const double force = seam.force / target(seam.block, seam.beyond);
-    if (force > 0) out.push_back(pull_between(*body, number(seam.beyond), seam.outward, seam.at, force));
+    const Pull pull = pull_of(seam);
+    const double force = pull.force / target(seam.block, seam.beyond);
+    if (force > 0) out.push_back(pull_between(*body, number(seam.beyond), pull.against, seam.at, force));
   }
   return out;
 }

@@ -15,7 +15,8 @@ namespace cleave::stability {
 
 /// Support between blocks judged together: bolts pull along their axes only, between the pieces of rock that they go
 /// through; sprayed concrete holds a block along each edge of its sprayed faces against the block beyond it, straight
-/// against what would come out of the face.
+/// against the way in which the edge parts without support where that leads out of the face, as it does for a block by
+/// itself, and where nothing parts against what would come straight out of the face.
 class Ties final {
  public:
   /// `unsupported`: how blocks move without; by it falling and sliding blocks have their own target, and bolts with an
@@ -31,20 +32,28 @@ class Ties final {
   [[nodiscard]] std::vector<topology::BlockId> with_tied(std::vector<topology::BlockId> blocks) const;
 
  private:
-  /// An edge of a free face with sprayed concrete across it.
+  /// An edge of a free face, or part of one, with sprayed concrete across it.
   struct Seam {
     topology::BlockId block, beyond;
     geometry::Vec3 at, outward;
     double force = 0;  ///< N
+    /// Of the face of `beyond` at the same edge, where it has one that is sprayed: one layer goes round both.
+    std::optional<geometry::Vec3> outward_beyond = {};
+  };
+  struct Pull {
+    geometry::Vec3 against;  ///< unit
+    double force = 0;        ///< N
   };
 
   void add_seams(const Shotcrete& layer, const std::function<bool(topology::BlockId)>& gone);
+  [[nodiscard]] geometry::Vec3 movement_at(topology::BlockId block, geometry::Vec3 at) const;
+  [[nodiscard]] Pull pull_of(const Seam& seam) const;
   [[nodiscard]] double target(topology::BlockId block, topology::BlockId other) const;
 
   const topology::BlockComplex* complex_;
   std::vector<BoltResult> bolts_;  ///< through more than one block
   std::vector<Seam> seams_;
-  IdVector<topology::BlockId, geometry::Vec3> movement_;  ///< without support; zero: rests
+  IdVector<topology::BlockId, assembly::Rate> movement_;  ///< without support; zero: rests
   IdVector<topology::BlockId, double> target_;
 };
 

@@ -72,6 +72,7 @@ Record under_case(const Record& of, std::size_t number) {
   record.tapered = c.tapered;
   record.at_parts = c.at_parts;
   record.turning = c.turning;
+  record.at_target = c.at_target;
   return record;
 }
 

@@ -23,6 +23,11 @@ constexpr double skewed = 0.2;
 /// Of a realization, between 0 and 1.
 bool is_share(std::string_view name) { return name.ends_with("_share"); }
 
+/// The upper end of the interval of a mean, no farther up than it can be.
+double no_farther(double mean, double high, const std::optional<double>& most) {
+  return most ? std::max(mean, std::min(high, *most)) : high;
+}
+
 double lean(double skewness, std::uint64_t n) { return std::abs(skewness) / std::sqrt(number(n)); }
 
 std::vector<SizePoint> size_points(const std::vector<PairMoments>& below) {
@@ -39,7 +44,9 @@ std::vector<SizePoint> size_points(const std::vector<PairMoments>& below) {
 
 }  // namespace
 
-Estimate Ensemble::estimate(std::string name, const Moments& m, const Tail& tail, Method method) const {
+Estimate Ensemble::estimate(std::string name, const Moments& m, const Tail& tail, Method method,
+                            const std::optional<Force>& pull) const {
+  const std::optional<double> most = most_of(name, pull);
   const double skewness = m.skewness();
   Estimate e{.name = std::move(name),
              .method = method,
@@ -59,14 +66,13 @@ Estimate Ensemble::estimate(std::string name, const Moments& m, const Tail& tail
         with_tail(skew_interval(e.mean, e.standard_error, skewness, m.count(), options_.confidence, widening), e.mean,
                   tail, m.count(), options_.confidence);
     e.low = m.smallest() >= 0 ? std::max(0.0, t.low) : t.low;
-    e.high = upper_end(e.name, e.mean, t.high);
+    e.high = no_farther(e.mean, t.high, most);
   }
-  // What no realization has may be met all the same: of its mean no more is known than how often, and of volumes how
-  // large at the most.
+  // What no realization has may be met all the same: of its mean no more is known than how often, and of volumes and
+  // of what pulls at them how large at the most.
   if (m.count() > 0 && m.smallest() == 0 && m.largest() == 0) {
     const double met = clopper_pearson(0, std::max<std::uint64_t>(units_, 1), options_.confidence).high;
-    const bool of_blocks = e.name.ends_with("_m3") && options_.rock;
-    e.high = is_share(e.name) ? met : of_blocks ? met * options_.rock->si() : std::numeric_limits<double>::infinity();
+    e.high = most ? met * *most : std::numeric_limits<double>::infinity();
   }
   return e;
 }
@@ -81,21 +87,23 @@ Estimate Ensemble::difference(std::string name, const Moments& moments) const {
   return e;
 }
 
-double Ensemble::upper_end(std::string_view name, double mean, double high) const {
-  if (is_share(name)) return std::max(mean, std::min(high, 1.0));
-  const bool of_blocks = name.ends_with("_m3");
-  return of_blocks && options_.rock ? std::max(mean, std::min(high, options_.rock->si())) : high;
+std::optional<double> Ensemble::most_of(std::string_view name, const std::optional<Force>& pull) const {
+  if (is_share(name)) return 1;
+  if (name.ends_with("_m3")) return options_.rock.transform([](Volume rock) { return rock.si(); });
+  const bool of_pull = name == "support_force_n" || name == "first_batch_support_force_n";
+  return of_pull ? pull.transform([](Force force) { return force.si(); }) : std::nullopt;
 }
 
-Estimate Ensemble::estimate(const Quantity& q, const Moments& moments, const Tail& tail, bool lifts) const {
-  Estimate e = estimate(std::string{q.name}, moments, tail, Method::mean);
+Estimate Ensemble::estimate(const Quantity& q, const Moments& moments, const Tail& tail,
+                            const UnderLoads& loads) const {
+  Estimate e = estimate(std::string{q.name}, moments, tail, Method::mean, loads.pull);
   if (q.probability && units_ > 0) {
     const Interval exact = probability_interval(moments);
     e.low = exact.low;
     e.high = exact.high;
     e.optimistic = false;
   }
-  if (q.lifted && !lifts) e.high = e.mean;  // 0, and not for want of samples
+  if (q.lifted && !loads.lifts) e.high = e.mean;  // 0, and not for want of samples
   return e;
 }
 
@@ -120,7 +128,7 @@ Estimate Ensemble::ratio_estimate(std::string name, const PairMoments& pair, con
   } else if (pair.count() >= 2) {
     interval = with_tail(skew_interval(r, se, skewness, pair.count(), options_.confidence, widening), r, tail,
                          pair.count(), options_.confidence);
-    interval = {std::max(0.0, interval.low), upper_end(name, r, interval.high)};
+    interval = {std::max(0.0, interval.low), no_farther(r, interval.high, most_of(name, {}))};
   }
   return {.name = std::move(name),
           .method = Method::ratio,
@@ -168,10 +176,11 @@ void Ensemble::add_orders(Figures& figures) const {
 void Ensemble::add_cases(Figures& figures) const {
   for (std::size_t k = 0; k < cases_.size(); ++k) {
     CaseEstimates& under = figures.cases.emplace_back(options_.cases[k]);
-    const bool lifts = k >= options_.cases_lift.size() || options_.cases_lift[k];
+    const UnderLoads loads{.lifts = k >= options_.cases_lift.size() || options_.cases_lift[k],
+                           .pull = k < options_.cases_pull.size() ? options_.cases_pull[k] : std::nullopt};
     for (std::size_t i = 0; i < quantities().size(); ++i) {
       if (!of_case(quantities()[i])) continue;
-      under.estimates.push_back(estimate(quantities()[i], cases_[k].moments[i], cases_[k].tails[i], lifts));
+      under.estimates.push_back(estimate(quantities()[i], cases_[k].moments[i], cases_[k].tails[i], loads));
     }
     for (std::size_t i = 0; i < options_.volumes_m3.size() && units_ > 0; ++i) {
       const Moments& hits = cases_[k].exceeding[i];
@@ -196,7 +205,7 @@ void Ensemble::add_estimates(Figures& figures) const {
   for (std::size_t i = 0; i < quantities().size(); ++i) {
     const Quantity& q = quantities()[i];
     if (!has(q)) continue;
-    Estimate e = estimate(q, moments_[i], tails_[i], options_.lifts);
+    Estimate e = estimate(q, moments_[i], tails_[i], base_loads());
     if (q.quantiles && e.realizations >= 3 && lean(e.skewness, e.realizations) > skewed) {
       const std::vector<double> units = (options_.strengths_per_geometry > 1 ? means_[i] : values_[i]).all();
       e.bootstrap = bca_mean(units, options_.confidence, resamples, options_.seed);
@@ -211,7 +220,8 @@ void Ensemble::add_estimates(Figures& figures) const {
   }
   if (options_.stability && options_.tunnel_length_m) {
     for (const std::string_view name : {"support_force_n", "support_force_transferred_n", "key_block_volume_m3"}) {
-      Estimate e = estimate(std::string{name} + "_per_metre", moments(name), tails_[index_of(name)], Method::mean);
+      Estimate e = estimate(std::string{name}, moments(name), tails_[index_of(name)], Method::mean, options_.pull);
+      e.name += "_per_metre";
       const double metres = metres_in_rock();
       for (double* value : {&e.mean, &e.standard_error, &e.low, &e.high, &e.std, &e.smallest, &e.largest}) {
         *value /= metres;

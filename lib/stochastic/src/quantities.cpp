@@ -37,6 +37,11 @@ Quantity of_turning(Quantity quantity) {
   quantity.turning = true;
   return by_case(quantity);
 }
+Quantity of_target(Quantity quantity) {
+  quantity.at_target = true;
+  return by_case(quantity);
+}
+StayingAtTarget target_of(const Record& r) { return r.at_target.value_or(StayingAtTarget{}); }
 Quantity over_openings(Quantity quantity) {
   quantity.openings = true;
   return quantity;
@@ -86,6 +91,7 @@ bool Quantity::asked_in(const Record& record) const noexcept {
   if (water && !(record.flow && record.flow->water)) return false;
   if (stages && !record.supported_stages) return false;
   if (turning && !record.turning) return false;
+  if (at_target && !record.at_target) return false;
   if (support) return record.support && (!groups || record.support->groups);
   return !groups || record.groups.has_value();
 }
@@ -131,6 +137,14 @@ const std::vector<Quantity>& block_quantities() {
                false, false}),
       by_case({"slight_taper_volume_m3", [](const Record& r) { return r.tapered ? r.tapered->volume.si() : 0; }, true,
                false, false}),
+      of_target({"domain_held_at_target_count", [](const Record& r) { return number(target_of(r).border.count); }, true,
+                 false, true}),
+      of_target({"domain_held_at_target_volume_m3", [](const Record& r) { return target_of(r).border.volume.si(); },
+                 true, false, true}),
+      of_target({"slight_taper_at_target_count", [](const Record& r) { return number(target_of(r).tapered.count); },
+                 true, false, false}),
+      of_target({"slight_taper_at_target_volume_m3", [](const Record& r) { return target_of(r).tapered.volume.si(); },
+                 true, false, false}),
       {"block_count", [](const Record& r) { return number(r.blocks); }, false, true, true},
       {"block_mean_volume_m3", [](const Record& r) { return r.blocks > 0 ? r.rock_m3 / number(r.blocks) : 0; }, false,
        true, false},

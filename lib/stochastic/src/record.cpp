@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <system_error>
@@ -174,7 +175,7 @@ std::string_view record_columns() noexcept {
          "first_lifting,first_sliding,first_wedge,first_tetrahedral,first_pentahedral,first_hexahedral,first_higher,"
          "first_other,first_concave,first_sphericity_sum,first_sizes,above,chainage_m3,support,orders,groups,clamped,"
          "border,whole,whole_bins,sets,lines,cases,tapered,at_parts,cases_lifting,flow,supported_stages,"
-         "turning,crc32";
+         "turning,at_target,crc32";
 }
 
 std::string line_of(const Record& r) {
@@ -225,6 +226,9 @@ std::string line_of(const Record& r) {
     if (c.turning) turning.push_back(*c.turning);
   }
   w.list(std::span{std::as_const(turning)});
+  std::vector<double> at_target = numbers_of(r.at_target);
+  for (const CaseTally& c : r.cases) std::ranges::copy(numbers_of(c.at_target), std::back_inserter(at_target));
+  w.list(std::span{std::as_const(at_target)});
   return std::move(w).finish();
 }
 
@@ -262,6 +266,7 @@ std::optional<Record> record_of(std::string_view line) {
       stages;
   std::vector<float> bins;
   std::vector<std::uint64_t> lifting, turning;
+  std::vector<double> at_target;
   r.list(support);
   r.list(orders);
   r.list(groups);
@@ -278,6 +283,7 @@ std::optional<Record> record_of(std::string_view line) {
   r.list(flow);
   r.list(stages);
   r.list(turning);
+  r.list(at_target);
   if (!take(support, record.support) || !take(orders, record.orders) || !take(groups, record.groups) ||
       !take(clamped, record.clamped) || !take(border, record.border) || !take(whole, bins, record.whole) ||
       !take(sets, record.sets) || !take(lines, record.lines) || !take(cases, record.cases) ||
@@ -291,6 +297,7 @@ std::optional<Record> record_of(std::string_view line) {
     record.turning = turning.front();
     for (std::size_t k = 0; k < record.cases.size(); ++k) record.cases[k].turning = turning[k + 1];
   }
+  if (!take(at_target, record)) return std::nullopt;
   if (!record.factors.empty() && record.factors.size() != factor_bins) return std::nullopt;
   if (!r.good() || outcome > static_cast<unsigned>(Outcome::refused) || stopped > 1) return std::nullopt;
   record.outcome = static_cast<Outcome>(outcome);

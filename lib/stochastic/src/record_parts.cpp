@@ -116,6 +116,32 @@ std::vector<double> numbers_of(const std::optional<SupportedStages>& s) {
   return {static_cast<double>(s->judged), static_cast<double>(s->failing)};
 }
 
+std::vector<double> numbers_of(const std::optional<StayingAtTarget>& s) {
+  std::vector<double> numbers;
+  if (!s) return numbers;
+  for (const Staying& part : {s->border, s->tapered}) {
+    numbers.push_back(static_cast<double>(part.count));
+    numbers.push_back(part.volume.si());
+  }
+  return numbers;
+}
+
+bool take(const std::vector<double>& n, Record& record) {
+  if (n.empty()) return true;
+  if (n.size() != 4 * (1 + record.cases.size())) return false;
+  for (std::size_t i = 0; i < n.size(); i += 2) {
+    if (!is_count(n[i])) return false;
+  }
+  const auto staying = [&](std::size_t at) {
+    return Staying{static_cast<std::uint64_t>(n[at]), cubic_metres(n[at + 1])};
+  };
+  record.at_target = StayingAtTarget{staying(0), staying(2)};
+  for (std::size_t k = 0; k < record.cases.size(); ++k) {
+    record.cases[k].at_target = StayingAtTarget{staying(4 * k + 4), staying(4 * k + 6)};
+  }
+  return true;
+}
+
 bool take(const std::vector<double>& n, std::optional<SupportedStages>& stages) {
   if (n.empty()) return true;
   if (n.size() != 2 || !is_count(n[0]) || !is_count(n[1]) || n[1] > n[0]) return false;

@@ -21,6 +21,7 @@ namespace cleave::stochastic {
 [[nodiscard]] std::vector<double> numbers_of(const std::optional<FlowTally>& part);
 [[nodiscard]] std::vector<double> numbers_of(const std::optional<WholeBlocks>& part);
 [[nodiscard]] std::vector<double> numbers_of(const std::optional<SupportedStages>& part);
+[[nodiscard]] std::vector<double> numbers_of(const std::optional<StayingAtTarget>& part);
 /// Bin, number and volume of each.
 [[nodiscard]] std::vector<float> bins_of(const std::optional<WholeBlocks>& part);
 
@@ -36,6 +37,8 @@ namespace cleave::stochastic {
 [[nodiscard]] bool take(const std::vector<double>& numbers, std::vector<LineTally>& part);
 [[nodiscard]] bool take(const std::vector<double>& numbers, std::optional<FlowTally>& part);
 [[nodiscard]] bool take(const std::vector<double>& numbers, std::optional<SupportedStages>& part);
+/// Of the base case and of each load case that the record has, one behind the other.
+[[nodiscard]] bool take(const std::vector<double>& numbers, Record& record);
 [[nodiscard]] bool take(const std::vector<double>& numbers, const std::vector<float>& bins,
                         std::optional<WholeBlocks>& part);
 

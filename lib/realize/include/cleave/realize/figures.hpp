@@ -201,6 +201,17 @@ struct DomainHeldFigures {
   std::uint64_t together = 0;  ///< of `count`: only together with others
 };
 
+/// Single blocks that reach their target only by what may not be there, at strengths over that for sliding; those of
+/// groups, too, where groups decide.
+struct HeldAtTarget {
+  struct Kind {
+    std::uint64_t count = 0;
+    Volume volume = {};
+  };
+  Kind border;   ///< sides of the domain that are not free
+  Kind tapered;  ///< a slight taper of joints
+};
+
 struct KeyBlockFigures {
   std::uint64_t count = 0;  ///< blocks that leave, in all batches
   double volume_m3 = 0;
@@ -211,6 +222,7 @@ struct KeyBlockFigures {
   std::optional<std::uint64_t> below_target = {};  ///< where the scene has a target
   std::optional<std::uint64_t> turning = {};       ///< none without the rotational check
   std::optional<DomainHeldFigures> domain_held = {};
+  std::optional<HeldAtTarget> held_at_target = {};  ///< where the scene or its support has a target
 };
 template <class V>
 void fields(V& v, const KeyBlockFigures& x) {
@@ -232,6 +244,14 @@ void fields(V& v, const KeyBlockFigures& x) {
   v("domain_held_together", when(x.domain_held.has_value(), held.together),
     "of those, blocks that move only together with others");
   v("domain_held_share", when(x.domain_held.has_value(), held.share), "of the area of all free faces, theirs");
+  const HeldAtTarget target = x.held_at_target.value_or(HeldAtTarget{});
+  const bool asked = x.held_at_target.has_value();
+  v("domain_held_at_target_count", when(asked, target.border.count),
+    "blocks by themselves (with groups = \"decide\" those of groups, too) that reach the target for sliding, of the "
+    "scene or its support, only by sides of the domain that are not free; not in below_target");
+  v("domain_held_at_target_volume_m3", when(asked, target.border.volume));
+  v("slight_taper_at_target_count", when(asked, target.tapered.count), "the same, only by a slight taper of joints");
+  v("slight_taper_at_target_volume_m3", when(asked, target.tapered.volume));
 }
 
 /// All that leaves, alone or in groups that are not in doubt.
@@ -418,7 +438,8 @@ struct SupportFigures {
            (!groups || groups->all_held());
   }
   std::uint64_t blocks = 0, held_by_bolts = 0, held_by_shotcrete = 0, held_by_both = 0, not_held = 0;
-  std::uint64_t key_blocks_behind = 0;  ///< not among these
+  std::uint64_t held_in_failing_groups = 0;  ///< held by themselves, in groups that are not held or in doubt
+  std::uint64_t key_blocks_behind = 0;       ///< not among these
   /// Key blocks that only turn, not among these either, and those of them that nothing is known to hold.
   std::uint64_t turning = 0, turning_not_held = 0;
   std::uint64_t bolts = 0, spot_bolts = 0, bolts_used = 0, bolts_of_groups = 0, bolts_redundant = 0,
@@ -509,6 +530,8 @@ void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_
   v("held_by_shotcrete", x.held_by_shotcrete);
   v("held_by_both", x.held_by_both, "neither bolts nor shotcrete alone, both together");
   v("not_held", x.not_held);
+  v("held_in_failing_groups", when(x.groups.has_value(), x.held_in_failing_groups),
+    "of these that are held by themselves: blocks of groups that are not held or in doubt, where `passes` is false");
   v("bolts", x.bolts);
   v("spot_bolts", x.spot_bolts);
   v("bolts_used", x.bolts_used, "that a block, or a stitched body, does not do without");

@@ -193,6 +193,7 @@ struct CaseResult {
   std::optional<stability::DomainHeld> held_alone = {};  ///< by the border of the domain, of blocks one by one
   std::optional<stability::DomainHeld> domain_held = {};
   std::vector<stability::Barred> tapered = {};                   ///< held by next to nothing
+  std::optional<HeldAtTarget> held_at_target = {};               ///< where it has a target
   std::optional<stability::KeyGroups> groups_below_target = {};  ///< as those of the base case, at its own target
 };
 
@@ -426,6 +427,7 @@ struct Realization : SampledScene {
   std::vector<stability::Barred> tapered = {};            ///< held by next to nothing, those of key groups too
   std::optional<stability::DomainHeld> domain_held = {};  ///< of the base case, with `analysis`
   std::optional<stability::DomainHeld> held_alone = {};   ///< of those, single blocks: what ensembles count
+  std::optional<HeldAtTarget> held_at_target = {};        ///< where the scene or its support has a target
   std::vector<CaseResult> load_cases = {};                ///< of [[load]], in scene order; the base case is `analysis`
   std::vector<stability::Sensitivity> sensitivity = {};   ///< of the blocks of the first batch
   std::vector<MaximumRow> maximum_blocks = {};

@@ -17,6 +17,12 @@
 
 namespace cleave::scene {
 
+/// Blocks that only a side of the domain holds and that support is held at (`SupportResult::held_by_border`,
+/// `sprayed_at_border`).
+struct HoldsAtBorder {
+  std::vector<topology::BlockId> bolts, shotcrete;
+};
+
 /// The support in the rock after one stage: before and after the bolts of that stage are in.
 struct StageSupport {
   std::uint64_t blocks = 0;  ///< below their target without support
@@ -25,6 +31,7 @@ struct StageSupport {
   std::optional<SupportedGroupFigures> groups = {};  ///< where blocks are judged together, and not too many
   bool too_many = false;                             ///< to be judged together
   bool fails_under_load = false;                     ///< in a load case, see StageCase
+  HoldsAtBorder at_border = {};
   [[nodiscard]] bool passes() const noexcept {
     return not_held == 0 && combined_failing == 0 && !too_many && !fails_under_load && (!groups || groups->all_held());
   }
@@ -54,6 +61,7 @@ struct StageCase {
   std::optional<std::uint64_t> not_held = {}, combined_failing = {};  ///< with what is installed by then
   std::optional<SupportedGroupFigures> supported_groups = {};  ///< the same, where there are not too many to be judged
   bool too_many = false;                                       ///< to be judged together with the support
+  HoldsAtBorder at_border = {};
   [[nodiscard]] bool fails() const noexcept {
     return not_held.value_or(0) > 0 || combined_failing.value_or(0) > 0 || too_many ||
            (supported_groups && !supported_groups->all_held());

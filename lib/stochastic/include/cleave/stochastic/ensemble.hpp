@@ -35,6 +35,7 @@ struct Quantity {
   bool lifted = false;       ///< 0 where no load lifts
   bool stages = false;       ///< needs a support that is judged after each stage
   bool turning = false;      ///< needs the check of rotation
+  bool at_target = false;    ///< needs a target
   /// Whether the scene of this record asks for it.
   [[nodiscard]] bool asked_in(const Record& record) const noexcept;
 };
@@ -235,11 +236,15 @@ struct EnsembleOptions {
   std::optional<Length> tunnel_in_rock = {};  ///< what of it removes rock; empty: all
   /// Of all rock there is: no mean of volumes lies above, however long their tail.
   std::optional<Volume> rock = {};
+  /// What pulls at all of it in the base case: no mean of forces that its blocks lack lies above. Empty: not known.
+  std::optional<Force> pull = {};
+  std::vector<std::optional<Force>> cases_pull = {};  ///< the same of each load case
   std::uint32_t chainage_parts = 0;
   std::uint64_t seed = 1;                ///< of the bootstrap
   bool support = false;                  ///< a support design was checked
   bool stages = false;                   ///< and so it was after each stage of the excavation
   bool turning = false;                  ///< blocks that cannot slide were asked whether they turn
+  bool at_target = false;                ///< blocks were asked what brings them to a target
   bool groups = false;                   ///< blocks were judged together
   bool clamped = false;                  ///< stress across joints was looked at
   bool at_parts = false;                 ///< an opening is no cut from above: key blocks are counted by where they are
@@ -325,18 +330,26 @@ class Ensemble final {
     return has(q.stability, q.whole_system) && (options_.support || !q.support) && (options_.groups || !q.groups) &&
            (options_.clamped || !q.clamped) && (options_.at_parts || !q.at_parts) &&
            (options_.openings || !q.openings) && (options_.flow || !q.flow) && (options_.water || !q.water) &&
-           (options_.stages || !q.stages) && (options_.turning || !q.turning);
+           (options_.stages || !q.stages) && (options_.turning || !q.turning) && (options_.at_target || !q.at_target);
   }
   static const std::vector<Ratio>& ratios();
   [[nodiscard]] static std::size_t index_of(std::string_view quantity);
   [[nodiscard]] std::vector<double> numbers_of(const Record& record) const;
   void add_unit(const std::vector<double>& sums);
   void add_extremes(const Record& record);
-  /// With the interval of a probability where it is one. `lifts`: some load may lift blocks.
-  [[nodiscard]] Estimate estimate(const Quantity& quantity, const Moments& moments, const Tail& tail, bool lifts) const;
-  [[nodiscard]] Estimate estimate(std::string name, const Moments& moments, const Tail& tail, Method method) const;
-  /// The upper end of the interval of a mean, no farther up than it can be.
-  [[nodiscard]] double upper_end(std::string_view name, double mean, double high) const;
+  /// Of the loads of the base case or of a load case: some may lift blocks, and what pulls at all rock.
+  struct UnderLoads {
+    bool lifts = true;
+    std::optional<Force> pull = {};
+  };
+  [[nodiscard]] UnderLoads base_loads() const { return {options_.lifts, options_.pull}; }
+  /// With the interval of a probability where it is one.
+  [[nodiscard]] Estimate estimate(const Quantity& quantity, const Moments& moments, const Tail& tail,
+                                  const UnderLoads& loads) const;
+  [[nodiscard]] Estimate estimate(std::string name, const Moments& moments, const Tail& tail, Method method,
+                                  const std::optional<Force>& pull = {}) const;
+  /// No mean of this name can be larger; empty where nothing says so.
+  [[nodiscard]] std::optional<double> most_of(std::string_view name, const std::optional<Force>& pull) const;
   /// `most`: independent trials that there can be at most.
   [[nodiscard]] Interval share_interval(const PairMoments& pair, double most) const;
   [[nodiscard]] Estimate difference(std::string name, const Moments& moments) const;

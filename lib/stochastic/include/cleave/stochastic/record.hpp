@@ -131,6 +131,13 @@ struct Staying {
   friend bool operator==(const Staying&, const Staying&) = default;
 };
 
+/// The same of blocks that would miss their target.
+struct StayingAtTarget {
+  Staying border;   ///< by sides of the domain that are not free
+  Staying tapered;  ///< because joints close on them by next to nothing
+  friend bool operator==(const StayingAtTarget&, const StayingAtTarget&) = default;
+};
+
 /// The support after each stage of the excavation, with what is installed by then.
 struct SupportedStages {
   std::uint64_t judged = 0;   ///< stages whose rock passed its check
@@ -150,6 +157,7 @@ struct CaseTally {
   std::vector<PartTally> at_parts = {};       ///< by Part; empty where there are only cuts from above
   std::uint64_t lifting = 0;                  ///< of the key blocks
   std::optional<std::uint64_t> turning = {};  ///< as Record::turning
+  std::optional<StayingAtTarget> at_target = {};
   friend bool operator==(const CaseTally&, const CaseTally&) = default;
 };
 
@@ -256,6 +264,7 @@ struct Record {
   std::optional<SupportedStages> supported_stages = {};  ///< of a scene with [support] that is dug in stages
   /// Blocks that turn or topple though they cannot slide, key blocks or not; empty where it was not asked.
   std::optional<std::uint64_t> turning = {};
+  std::optional<StayingAtTarget> at_target = {};  ///< of a scene with a target, or with a support
   friend bool operator==(const Record&, const Record&) = default;
 };
 
