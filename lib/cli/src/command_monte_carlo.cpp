@@ -176,14 +176,17 @@ ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& ar
   const std::string quantity = ensemble_options_of(scene).running_quantity;
   progress.begin("monte_carlo", settings.realizations / arguments.shard.of);
   std::uint64_t shown = 0;
-  const scene::MonteCarloWatch watch{[&](const stochastic::Ensemble& ensemble, std::uint64_t done, std::uint64_t) {
-    // Called after each record that is made: what came since the last one besides it was there before.
-    if (done - shown > 1) progress.found(done - shown - 1);
-    progress.advance();
-    shown = done;
-    kept = done;
-    progress.note(running_text(ensemble, quantity, settings.confidence));
-  }};
+  const scene::MonteCarloWatch watch{.progress =
+                                         [&](const stochastic::Ensemble& ensemble, std::uint64_t done, std::uint64_t) {
+                                           // Called after each record that is made: what came since the last one
+                                           // besides it was there before.
+                                           if (done - shown > 1) progress.found(done - shown - 1);
+                                           progress.advance();
+                                           shown = done;
+                                           kept = done;
+                                           progress.note(running_text(ensemble, quantity, settings.confidence));
+                                         },
+                                     .found = [&](std::uint64_t records) { kept = records; }};
   auto result = timer.run("monte_carlo", [&] {
     if (make != nullptr) {
       return scene::run_monte_carlo(scene, *make, folder->unfinished(), arguments.shard, watch);

@@ -475,6 +475,7 @@ std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& sc
              RecordFile::open(path, {.scene_sha256 = scene_and_files_sha256(scene),
                                      .seed = scene.seed,
                                      .shard = {shard.number, shard.of, strengths_per_geometry(scene)}}));
+  if (watch.found) watch.found(file.records());
   Ensemble ensemble = empty_ensemble(scene);
   // Records of an earlier call come first; they may reach beyond the look at which the run stops.
   std::uint64_t seen = 0;

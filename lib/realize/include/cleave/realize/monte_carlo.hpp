@@ -86,6 +86,8 @@ struct MonteCarloResult {
 struct MonteCarloWatch {
   /// Called after each record, in order, with the number done and the number that is aimed at.
   std::function<void(const stochastic::Ensemble&, std::uint64_t done, std::uint64_t aim)> progress;
+  /// Called once, before the first record is made, with the number that earlier calls have left.
+  std::function<void(std::uint64_t records)> found = {};
 };
 
 /// Makes the records of the geometries of `first` (perhaps not from its first realization on), then every `step`-th
