@@ -244,9 +244,10 @@ TEST(ContactEnd, AnEvenPressurePassesJointsWithStiffness) {
 
 /// A body that spins at 100 rad/s in nothing for 0.02 s, seen at `steps` frames.
 ContactResult spinning(const std::string& body, const std::string& more) {
-  return ran("[rock]\ndensity = 2600\nyoung = 20e9\npoisson = 0.25\n[contact]\nduration = 0.02\nstep = 2e-4\nframes "
-             "= 4\nrigid = false\ngravity = 0\nplane = \"stress\"\n" +
-             more + "[[body]]\nspin = 100\n" + body);
+  return ran(
+      "[rock]\ndensity = 2600\nyoung = 20e9\npoisson = 0.25\n[contact]\nduration = 0.02\nstep = 2e-4\nframes "
+      "= 4\nrigid = false\ngravity = 0\nplane = \"stress\"\n" +
+      more + "[[body]]\nspin = 100\n" + body);
 }
 
 // rho w^2 (L^2 / 4 - x^2) / 2 along a thin bar, from the start on, as it turns.

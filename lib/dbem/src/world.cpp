@@ -132,7 +132,8 @@ std::optional<WorldError> check_modes(const Body& body, std::size_t corners) {
   }
   if (!(body.modes->damping >= 0)) return BadModes{body.name, "damping is negative"};
   const std::vector<double>& stretch = body.modes->stretch;
-  if (!stretch.empty() && (stretch.size() != modes || !std::ranges::all_of(stretch, [](double x) { return good(x); }))) {
+  if (!stretch.empty() &&
+      (stretch.size() != modes || !std::ranges::all_of(stretch, [](double x) { return good(x); }))) {
     return BadModes{body.name, fmt::format("not one finite number for the stretch of each of {} modes", modes)};
   }
   return std::nullopt;

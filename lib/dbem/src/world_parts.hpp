@@ -40,7 +40,7 @@ struct Shape {
   bool timed = false;      // carries forces of its own
   bool stretches = false;  // as it spins
   bool fixed = false;      // no freedom at all
-  struct LoadPlace {   // of a point force on the outline
+  struct LoadPlace {       // of a point force on the outline
     std::size_t edge;
     double share;
   };

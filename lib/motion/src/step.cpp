@@ -181,7 +181,8 @@ World::Impl::Balance World::Impl::gain_of(const Island& island, const Group& gro
     before.push_back(stacked(mid[b].v, spin(mid[b], b)));
     size += shape.mass * (dot(mid[b].v, mid[b].v) + strongest() * shape.size) +
             dot(mid[b].momentum, solve(shape.inertia, mid[b].momentum));
-    // All that acts for the whole step does its work along the way of that step, the later velocity's by the share late.
+    // All that acts for the whole step does its work along the way of that step, the later velocity's by the share
+    // late.
     const Vector6 change = found.velocity[k] - before[k], kick = kick_of(b, mid, step);
     out.scheme -= late * change.dot(group.mass[k] * kick);
   }

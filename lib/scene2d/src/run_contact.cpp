@@ -239,7 +239,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
     options.step = s.step;
     options.longest_step = s.max_step;
     options.displacement = s.largest_move;
-    options.overlap_at_start = 2e-5;  // the scene's own check is stricter
+    options.overlap_at_start = 2e-5;                     // the scene's own check is stricter
     options.overlap_elastic = options.overlap_at_start;  // bodies that bend are parted as if rigid
     options.quasi_static = s.to_rest;
     options.adaptive = s.to_rest || s.max_step > s.step;
