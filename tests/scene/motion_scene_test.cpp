@@ -1,10 +1,13 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <string_view>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "cleave/realize/run.hpp"
@@ -143,6 +146,68 @@ TEST(MotionScene, GroundInGIsAskedAbout) {
   EXPECT_TRUE(meant("record = { step = 0.1, x = [0, -0.3, 0], z = [0, 0.1, 0] }").contains("write scale = 9.81"));
   EXPECT_FALSE(meant("acceleration = [\"-0.2 g\", 0, 0]").contains(" g"));
   EXPECT_FALSE(meant("record = { step = 0.1, x = [0, -0.3, 0], scale = 9.81 }").contains("scale"));
+}
+
+TEST(MotionScene, WhatHasNoMeaningIsSaid) {
+  const auto noted = [](const std::string& text, std::string_view words) {
+    const auto notes = scene_of(text).notes;
+    return std::ranges::count_if(notes, [&](const Problem& note) { return describe(note).contains(words); });
+  };
+  EXPECT_EQ(noted(slab(20, "duration = 0.3\nstep = 0.5\n"), "longer than the duration of 0.3 s"), 1);
+  EXPECT_EQ(noted(slab(20, "duration = 0.3\nstep = 0.3\n"), "longer than the duration"), 0);
+  EXPECT_EQ(noted(slab(20, "[monte_carlo]\nrealizations = 3\n"), "motion: is not run in an ensemble"), 1);
+  EXPECT_EQ(noted(slab(20, ""), "ensemble"), 0);
+  for (const std::string record : {"x = []", "z = [1]", "x = [], y = [0.5]"}) {
+    const auto errors = errors_of(shaken("ground = { record = { step = 0.1, " + record + " } }\n"));
+    ASSERT_EQ(errors.size(), 1U) << record;
+    EXPECT_TRUE(errors[0].contains("motion.ground.record: has ")) << errors[0];
+  }
+}
+
+// A bench whose faces are fixed lies before the slope: a block that comes down falls on it, not through it.
+TEST(MotionScene, FixedSidesBeforeABlockBarIt) {
+  std::string corners, loops = "g rock\nf";
+  const std::vector<std::pair<double, double>> profile{{0, 0}, {30, 0}, {30, 4}, {15, 4}, {11, 12}, {0, 12}};
+  const std::size_t n = profile.size();
+  for (const double y : {0.0, 6.0}) {
+    for (const auto& [x, z] : profile) corners += fmt::format("v {} {} {}\n", x, y, z);
+  }
+  for (std::size_t k = 1; k <= n; ++k) loops += fmt::format(" {}", k);
+  loops += "\nf";
+  for (std::size_t k = n; k >= 1; --k) loops += fmt::format(" {}", n + k);
+  for (std::size_t k = 1; k <= n; ++k) {
+    const std::size_t next = k % n + 1;
+    loops += fmt::format("\ng {}\nf {} {} {} {}", k >= 4 && k <= 5 ? "slope" : "rock", k, n + k, n + next, next);
+  }
+  std::string text = slab(20, "duration = 2.5\nerror = false\n");
+  text.replace(text.find("box ="), text.find("[[joint]]") - text.find("box ="), "mesh = \"rock.obj\"\n");
+  text.erase(text.find("[[excavation]]"), text.find("[stability]") - text.find("[[excavation]]"));
+  text.insert(text.find("[motion]"), "free = [\"slope\"]\ngroups = \"off\"\n");
+  text.insert(text.find("[[joint]]"), "[[joint]]\nplane = { through = [15.2, 3, 2], dip = 90, dip_direction = 90 }\n");
+  const RunResult result = run_of(text, {{"rock.obj", corners + loops + "\n"}});
+  ASSERT_TRUE(result.motion.has_value());
+  ASSERT_GE(result.motion->blocks.size(), 1U);
+  EXPECT_TRUE(result.motion->converged) << result.motion->stopped_why;
+  for (const MotionBlock& block : result.motion->blocks) {
+    EXPECT_GT(block.runout.si(), 3);
+    EXPECT_GT(block.centroid.z, 4);
+  }
+}
+
+// Written at 50 times of a short run, steps end there: those of the finer run are shorter all the same.
+TEST(MotionScene, TheErrorOfShortRunsIsSeen) {
+  const auto error = [](const std::string& step) {
+    std::string text = shaken(
+        "duration = 0.6\nframe = 0.02\nground = { acceleration = [-4, 0, 0], time = { kind = \"harmonic\", frequency = "
+        "1.3 } }\nstep = " +
+        step + "\n");
+    const RunResult result = moved(text.erase(text.find("error = false"), 13));
+    EXPECT_TRUE(result.motion->error.has_value());
+    return result.motion->error.value_or(metres(0)).si();
+  };
+  const double long_steps = error("0.2");
+  EXPECT_GT(long_steps, 1e-4);
+  EXPECT_NEAR(long_steps / error("0.02"), 1, 1e-6);
 }
 
 TEST(MotionScene, GroundThatPushesAndDropsLetsABlockSlide) {

@@ -54,8 +54,7 @@ std::string blocks_of(const MotionCast& cast, const std::vector<std::uint32_t>& 
 MotionRecorder::MotionRecorder(const Scene& scene, const BlockComplex& complex, const MotionCast& cast,
                                motion::World world)
     : scene_{scene}, settings_{*scene.motion}, complex_{complex}, cast_{cast}, world_{std::move(world)} {
-  const double frame = settings_.frame ? settings_.frame->si() : settings_.duration.si() / 50;
-  frame_ = std::max(frame, settings_.duration.si() / 1000);
+  frame_ = between_frames(settings_);
   if (!cast.wave.empty()) waves_ = *std::ranges::max_element(cast.wave);
   const auto [lo, hi] = geometry::box_of(complex.vertices());
   const Vec3 margin = 0.25 * (hi - lo);
@@ -72,6 +71,11 @@ MotionRecorder::MotionRecorder(const Scene& scene, const BlockComplex& complex, 
   }
   result_.converged = true;
   record(0);
+}
+
+double MotionRecorder::between_frames(const MotionSettings& settings) {
+  const double frame = settings.frame ? settings.frame->si() : settings.duration.si() / 50;
+  return std::max(frame, settings.duration.si() / 1000);
 }
 
 void MotionRecorder::stop_because(std::string why) {

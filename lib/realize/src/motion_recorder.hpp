@@ -53,6 +53,8 @@ class MotionRecorder final {
   MotionRecorder(const Scene& scene, const topology::BlockComplex& complex, const MotionCast& cast,
                  motion::World world);
 
+  /// s, from one written state to the next.
+  [[nodiscard]] static double between_frames(const MotionSettings& settings);
   /// Takes an earlier run up. Where it is none of this scene, nothing changes.
   [[nodiscard]] std::optional<Problem> go_on_from(const SavedRun& saved);
   /// To the end of the run, or until `stop` says so.

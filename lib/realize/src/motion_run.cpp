@@ -12,6 +12,7 @@
 #include "cleave/core/parallel.hpp"
 #include "cleave/motion/world.hpp"
 #include "motion_bolts.hpp"
+#include "motion_error.hpp"
 #include "motion_loads.hpp"
 #include "motion_notes.hpp"
 #include "motion_recorder.hpp"
@@ -203,10 +204,42 @@ struct Around {
   bool all_free = false;                ///< all that have a free face are walls: a block may fall on any
 };
 
+/// Whether a block has a fixed side of the domain with some of the domain before it: a block may come against it from
+/// there. Of a convex domain none has.
+class InnerSides {
+ public:
+  explicit InnerSides(const BlockComplex& complex) : complex_{complex} {
+    const auto [low, high] = geometry::box_of(complex.vertices());
+    for (const double x : {low.x, high.x}) {
+      for (const double y : {low.y, high.y}) {
+        for (const double z : {low.z, high.z}) ends_.push_back({x, y, z});
+      }
+    }
+    near_ = 1e-9 * norm(high - low);
+  }
+  [[nodiscard]] bool of(const topology::Block& block) const {
+    return block.fixed && std::ranges::any_of(block.faces, [&](topology::FaceId f) {
+             const topology::Face& face = complex_.faces()[f];
+             if (face.role != topology::Role::fixed) return false;
+             const auto outer = *complex_.loops(face).begin();
+             const Vec3 foot = complex_.vertices()[*outer.begin()];
+             const auto before = [&](Vec3 p) { return dot(face.outward, p - foot) > near_ * norm(face.outward); };
+             // Of most sides not even the box of the domain reaches before them.
+             return std::ranges::any_of(ends_, before) && std::ranges::any_of(complex_.vertices(), before);
+           });
+  }
+
+ private:
+  const BlockComplex& complex_;
+  std::vector<Vec3> ends_;
+  double near_ = 0;
+};
+
 MotionCast cast_of(const Scene& scene, const MotionSettings& settings, const Realization& made,
                    const BlockComplex& complex, const Waves& waves, const Around& around) {
   MotionCast cast;
   Surfaces surfaces{settings};
+  const InnerSides inner{complex};
   std::vector<std::uint8_t> wall(waves.size(), 0);
   // Thinner than what rounding leaves of a block's corners: neither moves nor bars.
   const auto gone = [&](std::size_t b) {
@@ -220,7 +253,8 @@ MotionCast cast_of(const Scene& scene, const MotionSettings& settings, const Rea
       continue;
     }
     if (!waves[b]) {
-      wall[b] = std::max(wall[b], static_cast<std::uint8_t>(around.all_free && block.free ? 1 : 0));
+      wall[b] =
+          std::max(wall[b], static_cast<std::uint8_t>(around.all_free && (block.free || inner.of(block)) ? 1 : 0));
       continue;
     }
     cast.moving.push_back(BlockId{b});
@@ -248,30 +282,6 @@ MotionCast cast_of(const Scene& scene, const MotionSettings& settings, const Rea
   add_loads(scene, settings, made, complex, around.gone, cast);
   cast.scene.surfaces = std::move(surfaces.list);
   return cast;
-}
-
-/// How far apart two runs are, frame by frame, until a block is further apart than a quarter of its size.
-void compare(const MotionResult& fine, const BlockComplex& complex, MotionResult& result) {
-  double worst = 0;
-  result.determined = result.end;
-  for (std::size_t f = 0; f < std::min(fine.frames.size(), result.frames.size()); ++f) {
-    double now = 0;
-    bool lost = false;
-    for (std::size_t k = 0; k < result.blocks.size(); ++k) {
-      const MotionFrame::Place &a = result.frames[f].places[k], &b = fine.frames[f].places[k];
-      const double size = std::cbrt(complex.blocks()[result.blocks[k].block].volume.si());
-      const motion::Turn between = motion::Turn{a.turn.w, -a.turn.x, -a.turn.y, -a.turn.z} * b.turn;
-      const double apart = norm(a.shift - b.shift) + size * angle_of(between);
-      lost = lost || apart > 0.25 * size;
-      now = std::max(now, apart);
-    }
-    if (lost) {
-      result.determined = result.frames[f == 0 ? 0 : f - 1].time;
-      break;
-    }
-    worst = std::max(worst, now);
-  }
-  result.error = metres(worst);
 }
 
 motion::WorldOptions options_of(const Scene& scene, const MotionSettings& settings, const Realization& made) {
@@ -342,20 +352,7 @@ std::expected<MotionResult, Problem> run_motion(const Scene& scene, const Realiz
   MotionResult result = recorder.close();
   result.state = std::move(state);
   if (scene.motion->error && result.converged && !result.blocks.empty()) {
-    options.step /= 2;
-    options.displacement /= 2;
-    options.rotation /= 2;
-    if (auto again = motion::World::make(cast.scene, options)) {
-      MotionRecorder finer{scene, complex, cast, *std::move(again)};
-      finer.follow(how.stop);
-      const MotionResult fine = finer.close();
-      if (fine.converged) compare(fine, complex, result);
-      if (fine.interrupted) {
-        result.interrupted = true;
-        result.converged = false;
-        result.stopped_why = fmt::format("interrupted at {:.6g} s", result.end.si()) + ", before its error was known";
-      }
-    }
+    estimate_error(scene, complex, cast, options, how.stop, result);
   }
   if (cast.left_out > 0) {
     result.notes.push_back(fmt::format("motion: {} {} thinner than 1e-6 of the domain {} left out", cast.left_out,

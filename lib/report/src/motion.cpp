@@ -130,7 +130,7 @@ std::string motion_section(const scene::MotionResult& motion) {
   told += fact("Lifted by parting overlaps", display(motion.lifted / 1000, 4) + " kJ");
   told += fact("Error of the energy balance", display(motion.energy_error, 2) + " (relative)");
   if (motion.error) {
-    told += fact("Distance from a run with half the step",
+    told += fact("Estimated error of the path",
                  display(motion.error->si(), 2) + " m until " + display(motion.determined->si(), 3) + " s");
   }
   out += "<div class=\"scroll\">" + detail::facts_table(told) + "</div>\n";

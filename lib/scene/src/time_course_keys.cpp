@@ -30,14 +30,23 @@ void parse_record(const TableReader& table, TimeCourse<V>& course) {
   const double scale = table.value("scale");
   course.record.resize(1);
   bool any = false;
+  std::size_t longest = 0;
   for (const Axis<V>& axis : axes_of(V{})) {
     course.amplitude.*axis.part = scale;
     any = any || table.has(axis.key);
     const std::vector<double> values = table.numbers(axis.key).value_or(std::vector<double>{});
+    longest = std::max(longest, values.size());
     course.record.resize(std::max(course.record.size(), values.size()));
     for (std::size_t k = 0; k < values.size(); ++k) course.record[k].*axis.part = values[k];
   }
   if (!any) table.missing("x", "write the accelerations: x = [0, 0.5, ...]");
+  if (any && longest < 2) {
+    table.problems().error(
+        table.line(), table.path(),
+        longest == 0 ? "has no values: the ground does not move" : "has one value, which lasts no time",
+        "write the accelerations, x = [0, 0.5, ...], or remove it");
+    return;
+  }
   double largest = 0;
   for (const V& value : course.record) largest = std::max(largest, std::abs(scale) * norm(value));
   if (ground_rule.is_usual(largest)) return;

@@ -204,6 +204,12 @@ void note_nothing_drawn(const Scene& scene, const TableReader& root) {
             "nothing");
 }
 
+void note_motion_in_ensemble(const Scene& scene, const TableReader& root) {
+  if (!scene.motion || !scene.monte_carlo) return;
+  root.note("motion", "is not run in an ensemble: [monte_carlo] judges its realizations, and moves none",
+            "see one of them move by cleave replay OUT --realization K, or remove one of the two sections");
+}
+
 }  // namespace
 
 void find_notes(const Scene& scene, const TableReader& root) {
@@ -227,6 +233,7 @@ void find_notes(const Scene& scene, const TableReader& root) {
   }
   note_sets_alike(scene, root);
   note_nothing_drawn(scene, root);
+  note_motion_in_ensemble(scene, root);
   note_levels(scene, root);
   if (!scene.stability) {
     if (root.has("stability")) {

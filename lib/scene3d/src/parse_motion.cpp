@@ -99,7 +99,8 @@ const KeyTable& motion_keys() {
            "what an earthquake does is `ground`"},
           {"ground", key::table(&moving_ground_keys), "at rest",
            "motion of all that is fixed: `{ acceleration, time }` or `{ record }`, see below"},
-          {"error", key::flag(), "true", "runs again with half the step and says how far apart the two runs are"}}};
+          {"error", key::flag(), "true",
+           "runs again with half and with twice the step and estimates the error of the steps"}}};
   return keys;
 }
 
@@ -120,6 +121,13 @@ std::optional<MotionSettings> parse_motion(const TableReader& root, const std::o
                fmt::format("is {:g} s, longer than the duration of {:g} s: the start and the end alone are written",
                            settings.frame->si(), settings.duration.si()),
                fmt::format("set motion.frame = {:g}", settings.duration.si() / 50));
+  }
+  if (table.has("step") && settings.step > settings.duration && settings.duration.si() > 0) {
+    table.note("step",
+               fmt::format("is {:g} s, longer than the duration of {:g} s: steps are no longer than from one written "
+                           "state to the next",
+                           settings.step.si(), settings.duration.si()),
+               fmt::format("set motion.step = {:g} or a longer duration", settings.duration.si() / 100));
   }
   settings.restitution = table.value("restitution");
   settings.surface_friction = FrictionAngle::degrees(table.value("surface_friction"));

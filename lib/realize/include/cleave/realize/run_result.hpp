@@ -98,7 +98,7 @@ struct MotionResult {
   std::uint64_t key_blocks_standing = 0;      ///< key blocks and blocks of groups that move which did not move
   std::optional<double> work_of_ground = {};  ///< empty: the ground is at rest
   std::optional<MotionLoads> loads = {};      ///< empty: gravity alone
-  std::optional<Length> error = {};           ///< estimate: distance from a run with half the step
+  std::optional<Length> error = {};           ///< estimate, by runs with half and twice the step
   std::optional<Time> determined = {};        ///< until then; chaotic impacts part the two runs after it
   std::vector<MotionBlock> blocks = {};
   std::vector<MotionBolt> bolts = {};  ///< that act; by number
@@ -180,7 +180,8 @@ void fields(V& v, const MotionResult& x) {
     "Bolts of `[support]`; absent without, and with motion.support = false.");
   v("momentum_relative_error", x.momentum_error);
   v("estimated_error_m", or_null(x.error ? x.error->si() : std::numeric_limits<double>::infinity()),
-    "distance of corners from a run with half the step, until determined_s; null: error = false, or that run stopped");
+    "of corners at any written time until determined_s, by runs with half and twice the step; null: error = false, or "
+    "that with half the step stopped");
   v("estimated_error_reason", when(!x.error, "error = false, or the run with half the step stopped"));
   v("determined_s", x.determined, "time until which the two runs tell the same path: impacts are chaotic");
 }
