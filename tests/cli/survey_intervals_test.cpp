@@ -136,6 +136,10 @@ TEST_F(SurveyIntervalsTest, EveryEstimateHasItsInterval) {
   EXPECT_TRUE(compared(result["windows"][0]["estimates"], "A.11").starts_with("for comparison only"));
   EXPECT_TRUE(compared(result["windows"][0]["estimates"], "N/A").contains("for comparison only"));
   EXPECT_TRUE(compared(result["lines"][0]["comparisons"], "thesis A.3").contains("for comparison only"));
+  // So does the terminal of those that it prints.
+  const std::string said = read("out/log.txt");
+  EXPECT_TRUE(said.contains("  N/A (biased: counts what reaches in; for comparison only)\n")) << said;
+  EXPECT_TRUE(said.contains("(Pahl 1981, A.11) (for comparison only: parallel traces, biased by the 1)\n")) << said;
 }
 
 // No trace lies within the azimuths of a set whose dip direction is to come from them: said, and the others go on.

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "figures.hpp"
 #include "say.hpp"
@@ -138,10 +139,16 @@ TEST(TerminalTest, SupportAndMotion) {
   scene::RunResult one = result();
   one.figures.support = scene::SupportFigures{
       .block_by_block = true, .blocks = 1, .held_by_bolts = 1, .key_blocks_behind = 1, .bolts = 1, .combined = 1};
+  EXPECT_EQ(verdict_of(one), "");
   EXPECT_TRUE(holds(figures_of(one),
                     ": 1 block below its target by itself (falling 1.5, sliding 1.3): 1 held by bolts, 0 by shotcrete, "
                     "0 by both, 0 not held\n  1 more key block lies behind it and stays where it is held\n"
                     "  1 bolt, 1 stitched body (0 failing); required by this block 0 kN, missing 0 kN\n"))
+      << figures_of(one);
+  one.figures.support->held_in_failing_groups = 1;
+  EXPECT_TRUE(holds(figures_of(one),
+                    " 0 not held\n  of those held, 1 lies in a group of blocks that is not, or in doubt: see "
+                    "supported_groups.csv\n"))
       << figures_of(one);
   // Where motion was refused no block was let go: it is not that none moved.
   r.motion = scene::MotionResult{.stopped_why = "refused: blocks overlap at the start", .refused = true};
@@ -164,6 +171,11 @@ TEST(TerminalTest, SupportThatDoesNotPassEverywhere) {
     }
     const std::string text = figures_of(r);
     const std::size_t at = text.find("support      ");
+    // So does the last line of all, which is there in that case alone.
+    const std::string last = verdict_of(r);
+    const std::string_view word = judged == too_many && passes ? "NOT JUDGED" : "DOES NOT PASS";
+    EXPECT_EQ(last.empty(), !text.contains(word)) << last;
+    EXPECT_TRUE(last.empty() || (last.starts_with("verdict: the support ") && last.contains(word))) << last;
     return text.substr(at, text.find(':', at) - at);
   };
   EXPECT_EQ(line(true, {}, {}), "support      passes");

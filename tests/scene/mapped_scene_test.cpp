@@ -278,6 +278,9 @@ TEST(MappedScene, WrongTablesAreRefused) {
   EXPECT_TRUE(wrong(set_of("A"), "[mapped]\nsets = []\n" + face).contains("is empty"));
   EXPECT_TRUE(wrong(set_of("A"), "[mapped]\nsets = [\"A\", \"A\"]\n" + face).contains("named twice"));
   EXPECT_TRUE(wrong(set_of("A") + set_of("A"), "[mapped]\nsets = [\"A\"]\n" + face).contains("the name of several"));
+  std::string nameless = set_of("A");
+  nameless.erase(nameless.find("name = \"A\"\n"), std::string_view{"name = \"A\"\n"}.size());
+  EXPECT_TRUE(wrong(nameless + nameless, "[mapped]\n" + face).contains("several [[joint_set]] have no name"));
   EXPECT_TRUE(wrong(set_of("A"), "[mapped]\n" + face + face).contains("\"F\" is used twice"));
   EXPECT_TRUE(
       wrong(set_of("A"), "[mapped]\n[[mapped.hole]]\nfrom = [1, 1, 1]\nto = [1, 1, 1]\n").contains("give it a length"));

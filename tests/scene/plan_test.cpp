@@ -138,6 +138,53 @@ TEST(PlannedCost, ASearchForAPatternLiesWithinThreeTimesOfWhatItTook) {
   EXPECT_EQ(planned("slab_behind_toe").most_together, 0);
 }
 
+/// A horseshoe tunnel of `width` and `length` m through three sets, in a box `side` m wide and high.
+std::string tunnel(int width, int length, int side, std::string_view size, const std::string& rest) {
+  std::string text =
+      fmt::format("schema = 1\n[domain]\nbox = {{ min = [0, 0, 0], max = [{0}, {1}, {0}] }}\n", side, length);
+  for (const std::string_view attitude :
+       {"dip = 35, dip_direction = 40", "dip = 60, dip_direction = 150", "dip = 75, dip_direction = 270"}) {
+    text += fmt::format("[[joint_set]]\norientation = {{ {}, distribution = \"fisher\", kappa = 60 }}\n{}\n", attitude,
+                        size);
+  }
+  return text + fmt::format(
+                    "[joints.default]\nfriction = 28\n[rock]\ndensity = 2700\n[[excavation]]\nname = \"t\"\n"
+                    "kind = \"tunnel\"\nsection = {{ shape = \"horseshoe\", width = {0}, height = {0} }}\n"
+                    "axis = [[{1}, 0, {1}], [{1}, {2}, {1}]]\n[stability]\n"
+                    "target = {{ falling = 1.5, sliding = 1.3 }}\n{3}",
+                    width, side / 2, length, rest);
+}
+
+// Processor seconds of stability and support, once on one machine: of 60 to 1,000 blocks near free faces, with and
+// without support, load cases and groups that decide.
+TEST(PlannedCost, BlocksJudgedTogetherLieWithinThreeTimesOfWhatTheyTook) {
+  const auto planes = [](double spacing) {
+    return fmt::format("size = \"persistent\"\nintensity = {{ spacing = {} }}", spacing);
+  };
+  const std::string discs =
+      "shape = \"disc\"\nsize = { distribution = \"exponential\", mean = 12, min = 2, max = 36 }\n"
+      "intensity = { p32 = 0.5 }";
+  const std::string sprayed = "[support]\nshotcrete = { thickness = 0.05, strength = 1e6 }\n";
+  const std::string loads =
+      "[[load]]\nname = \"q\"\nseismic = [0.1, 0, 0]\n[[load]]\nname = \"v\"\nseismic = [0, 0, -0.1]\n";
+  struct Took {
+    std::string text;
+    double seconds;
+  };
+  for (const auto& [text, seconds] :
+       {Took{tunnel(6, 20, 40, planes(6), ""), 2.61}, Took{tunnel(6, 20, 40, planes(4), ""), 5.44},
+        Took{tunnel(8, 30, 40, planes(4), ""), 13.83}, Took{tunnel(6, 20, 40, planes(3), ""), 7.24},
+        Took{tunnel(6, 20, 40, planes(4), sprayed), 5.9}, Took{tunnel(8, 30, 40, planes(3), sprayed), 43.6},
+        Took{tunnel(6, 20, 40, planes(4), "groups = \"decide\"\n"), 5.5}, Took{tunnel(8, 40, 40, discs, ""), 11.8},
+        Took{tunnel(8, 40, 40, discs, sprayed), 13.6}, Took{tunnel(6, 20, 40, planes(5), loads + sprayed), 8.86},
+        Took{tunnel(5, 10, 20, planes(2.5), ""), 7.88}}) {
+    SCOPED_TRACE(text);
+    const double planned = make_costed_plan(parse_text(text).value()).value().estimate.together.si();
+    EXPECT_LE(planned, 3 * seconds);
+    EXPECT_GE(planned, seconds / 3);
+  }
+}
+
 // What would fill the machine is refused before it is cut, with what to do; where it fits it is cut.
 TEST(PlannedCost, ACutBeyondTheMachinesMemoryIsRefused) {
   const auto scene = parse_text(random_sets("size = \"persistent\"", "count = 34"));

@@ -240,6 +240,30 @@ TEST(GroupSupportTest, ShotcreteHoldsWhatSlidesAsTheCheckOfBlocksSays) {
   }
 }
 
+/// The slab with layers on its face alone: straight against its sliding they let it turn, straight out they do not.
+TEST(GroupSupportTest, ShotcreteOfAFaceHoldsWhatWouldTurn) {
+  const double dip = 38 * std::numbers::pi / 180;
+  topology::CutInput input{.domain = geometry::make_box({0, 0, 0}, {40, 20, 20}).value(),
+                           .joints = {},
+                           .excavations = {geometry::make_box({16, -1, 4}, {41, 21, 21}).value(),
+                                           geometry::make_box({-1, -1, 16}, {17, 21, 21}).value()},
+                           .free_domain_tags = {5}};
+  input.joints.emplace_back(topology::PersistentJoint{{16, 10, 5}, {std::sin(dip), 0, std::cos(dip)}});
+  for (const double y : {5.0, 15.0}) input.joints.emplace_back(topology::PersistentJoint{{0, y, 0}, {0, 1, 0}});
+  input.joints.emplace_back(topology::PersistentJoint{{12, 10, 16}, {1, 0, 0}});
+  const auto complex = audited(input);
+  const Settings settings = statics::settings({strength(30)});
+  SupportPlan plan{.shotcrete = Shotcrete{.thickness = metres(0.1), .shear_strength = pascals(1e-3)},
+                   .target_falling = 1.5,
+                   .target_sliding = 1.3};
+  const SupportResult little = check_support(complex, settings, analyse(complex, settings), plan);
+  ASSERT_EQ(little.blocks.size(), 1U);
+  const double needed = 1e-3 / 0.1 * little.blocks[0].needed_thickness.value();
+  plan.shotcrete->shear_strength = pascals(2.5 * needed);
+  EXPECT_EQ(left(complex, settings, plan), 0);
+  EXPECT_EQ(left(complex, settings, plan, most_together), 0);
+}
+
 /// Beyond two sides of the plug lie two blocks each: the layer is held at both of them.
 TEST(GroupSupportTest, ShotcreteIsHeldAtSeveralBlocksBeyondOneEdge) {
   const double deep = 1.5, weight = 4 * deep, y = 0.3, e = 0.1;

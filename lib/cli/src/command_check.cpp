@@ -67,8 +67,7 @@ ExitCode plan_scene(const std::string& path) {
                    "plan of {} ({})\n{}estimated size: {}, about {:.0f} MB and {:.2g} s of CPU{}{}\n", path,
                    loaded.title, describe(*plan, true), size_of(loaded, size), size.memory_mb, size.seconds,
                    size.together.si() > 0.1
-                       ? fmt::format(", with up to about {:.1g} s more for blocks judged together",
-                                     size.together.si()) +
+                       ? fmt::format(", and about {:.2g} s more for blocks judged together", size.together.si()) +
                              (size.most_together > 0
                                   ? fmt::format(" (none where over {:.0f} are near free faces)", size.most_together)
                                   : "")

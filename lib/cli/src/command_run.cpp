@@ -67,7 +67,8 @@ ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer&
                                       .summary = report::write_summary_json,
                                       .log = log_of,
                                       .figures = figures_of,
-                                      .scene_text = settings.scene_text};
+                                      .scene_text = settings.scene_text,
+                                      .last = verdict_of};
   if (const auto failed = publish(result, files, out, timer, progress, interrupts, settings.quiet)) return *failed;
   if (result.complex && result.motion && result.motion->interrupted) {
     say_interrupted(result.motion->stopped_why, out.final_name().generic_string());

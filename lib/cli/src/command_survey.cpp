@@ -47,9 +47,10 @@ std::string figures_of(const scene::SurveyScene& survey, const survey::SurveyRes
     text += say("window {name}: {traces} traces, ends inside 0/1/2: {ends_0}/{ends_1}/{ends_2}\n",
                 group([&](auto& v) { survey::window_fields(v, window); }));
     for (const survey::Estimate& e : window.estimates) {
-      text += !e.value     ? say("  {name:<20} not estimable: {note}\n", e)
-              : bounded(e) ? say("  {name:<20} {value:>10.5g} [{low:.5g}, {high:.5g}]  {method}\n", e)
-                           : say("  {name:<20} {value:>10.5g} ({note})  {method}\n", e);
+      text += !e.value      ? say("  {name:<20} not estimable: {note}\n", e)
+              : !bounded(e) ? say("  {name:<20} {value:>10.5g} ({note})  {method}\n", e)
+                            : say("  {name:<20} {value:>10.5g} [{low:.5g}, {high:.5g}]  {method}", e) +
+                                  (e.note.empty() ? "\n" : say(" ({note})\n", e));
     }
   }
   for (const survey::LineResult& line : result.lines) {

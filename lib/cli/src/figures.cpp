@@ -113,6 +113,10 @@ std::string support_lines(const scene::SupportFigures& support, const std::vecto
       say("(falling {target_falling:g}, sliding {target_sliding:g}): {held_by_bolts} held by bolts, "
           "{held_by_shotcrete} by shotcrete, {held_by_both} by both, {not_held} not held\n",
           all);
+  if (support.held_in_failing_groups > 0) {
+    text += fmt::format("  of those held, {} in a group of blocks that is not, or in doubt: see supported_groups.csv\n",
+                        counted(support.held_in_failing_groups, "lies", "lie"));
+  }
   if (support.key_blocks_behind > 0) {
     text += fmt::format("  {} {} behind {} and {} where {} held\n",
                         counted(support.key_blocks_behind, "more key block", "more key blocks"),
@@ -195,6 +199,15 @@ std::string text_of(SaidFigure figure) {
     return std::isfinite(figure.value) ? fmt::format("{:.4g} kN", figure.value / 1000) : "no force is enough";
   }
   return figure.value >= 1e5 ? fmt::format("{:.0f}", figure.value) : fmt::format("{:.6g}", figure.value);
+}
+
+std::string verdict_of(const scene::RunResult& result) {
+  const scene::Figures& figures = result.figures;
+  if (!figures.support) return {};
+  const scene::SupportFigures& support = *figures.support;
+  const bool passes = support.passes() && scene::fails_elsewhere(support, figures.support_cases).fails.empty();
+  return passes ? std::string{}
+                : fmt::format("verdict: the support {}\n", support_verdict(support, figures.support_cases));
 }
 
 std::string cost_line(const scene::RunCost& cost) {

@@ -9,6 +9,9 @@ namespace cleave::cli {
 /// The key figures of a run, a few lines for people.
 [[nodiscard]] std::string figures_of(const scene::RunResult& result);
 
+/// The last line of a run whose support does not pass, or was not judged in full; empty where it passes.
+[[nodiscard]] std::string verdict_of(const scene::RunResult& result);
+
 /// "time ...": what it took.
 [[nodiscard]] std::string cost_line(const scene::RunCost& cost);
 

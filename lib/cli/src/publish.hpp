@@ -39,6 +39,8 @@ struct Files {
   std::function<std::string(const Result&)> log;
   std::function<std::string(const Result&)> figures;  ///< for the terminal
   std::string scene_text = {};                        ///< kept as scene.toml; empty: none is
+  /// The last line on the terminal, where something has to be the last that is read.
+  std::function<std::string(const Result&)> last = {};
 };
 
 /// Writes what the plan of a result says, puts the folder in its place and prints the key figures; empty when all went
@@ -73,7 +75,8 @@ template <class Result>
   if (!quiet) {
     std::string text = files.figures(result);
     for (const std::string& note : result.notes) text += "note: " + note + "\n";
-    print(text + fmt::format("result in {}\n", out.final_name().generic_string()));
+    text += fmt::format("result in {}\n", out.final_name().generic_string());
+    print(text + (files.last ? files.last(result) : std::string{}));
   }
   return std::nullopt;
 }

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "overlaps.hpp"
-
 namespace cleave::scene {
 namespace {
 

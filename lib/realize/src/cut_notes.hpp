@@ -7,6 +7,9 @@
 
 namespace cleave::scene {
 
+/// Where joints lie on one another the one counts that bears less shear under this normal stress.
+inline constexpr Stress normal_stress_on_overlaps = pascals(100e3);
+
 /// Joints that part less than was perhaps meant.
 void add_cut_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes);
 

@@ -177,12 +177,6 @@ HeldNotes::Rows HeldNotes::turning(const JudgedState& state) {
   return rows;
 }
 
-/// Blocks of another state have other numbers.
-bool HeldNotes::same_block(const Row& a, const Row& b) {
-  return norm(a.centroid - b.centroid) <= 1e-9 * std::cbrt(a.volume.si()) &&
-         std::abs((a.volume - b.volume).si()) <= 1e-9 * a.volume.si();
-}
-
 HeldNotes::Rows HeldNotes::fresh(Reason reason, bool at_target, Rows rows) {
   std::erase_if(rows, [&](const Row& own) {
     return std::ranges::any_of(known_, [&](const Known& k) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -29,6 +30,13 @@ struct JudgedState {
   /// What these sides hold at strengths over the target, alone and together; null: not looked for yet.
   const stability::DomainHeld* border_at_target = nullptr;
 };
+
+/// By what they are: blocks of another state have other numbers.
+template <class Block>
+[[nodiscard]] bool same_block(const Block& a, const Block& b) {
+  return norm(a.centroid - b.centroid) <= 1e-9 * std::cbrt(a.volume.si()) &&
+         std::abs((a.volume - b.volume).si()) <= 1e-9 * a.volume.si();
+}
 
 /// Looks in every state at what stays, or reaches its target, only by what may not be there, and at what misses its
 /// target where no support asks. Each block is told of once.
@@ -67,7 +75,6 @@ class HeldNotes final {
   [[nodiscard]] static Rows turning(const JudgedState& state);
   /// Those that were not told of for this reason; from now on they were.
   [[nodiscard]] Rows fresh(Reason reason, bool at_target, Rows rows);
-  [[nodiscard]] static bool same_block(const Row& a, const Row& b);
   [[nodiscard]] static bool told(Reason reason, JudgedState::Place place);
   [[nodiscard]] static std::string words(Reason reason, const Rows& rows, const JudgedState& state);
   void as_it_is(const JudgedState& state);

@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <string_view>
+
+#include "held_notes.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -24,12 +25,6 @@ class BorderHolds final {
   }
 
  private:
-  /// Blocks of another state have other numbers.
-  static bool same_block(const Block& a, const Block& b) {
-    return norm(a.centroid - b.centroid) <= 1e-9 * std::cbrt(a.volume.si()) &&
-           std::abs((a.volume - b.volume).si()) <= 1e-9 * a.volume.si();
-  }
-
   void tell_of(std::vector<Block>& known, const BlockComplex& complex, std::vector<BlockId> blocks,
                const std::string& where, std::string_view how, std::string_view what) {
     std::erase_if(blocks, [&](BlockId id) {

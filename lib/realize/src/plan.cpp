@@ -97,35 +97,63 @@ double seconds_of(Step step, const Scene& scene, const CutEstimate& cut) {
   std::unreachable();
 }
 
-/// Searches for groups of blocks that a run makes.
-double searches_of(const Scene& scene) {
-  const StabilitySettings& wanted = *scene.stability;
-  const auto stages = static_cast<double>(scene.sequence ? scene.sequence->stages.size() : 0);
-  if (scene.monte_carlo) {
-    const double a_realization = scene.support ? 3 * (1 + stages) : 1;
-    return wanted.decides_by_groups() ? static_cast<double>(scene.monte_carlo->realizations) * a_realization : 0;
+/// Of walls of excavations and free sides in the domain, m2.
+double free_area_of(const Scene& scene) {
+  const Box box = box_of(scene.domain);
+  const auto add = [&](const geometry::Solid& solid, const geometry::SolidFace& face) {
+    std::vector<geometry::Vec3> corners;
+    for (const std::uint32_t corner : face.corners) corners.push_back(solid.vertices()[corner]);
+    return norm(area_within(std::move(corners), box));
+  };
+  double area = 0;
+  for (const Excavation& excavation : scene.excavations) {
+    for (const geometry::SolidFace& face : excavation.solid.faces()) area += add(excavation.solid, face);
   }
-  const double states = 1 + static_cast<double>(wanted.cases.size()) + stages;
-  double searches = states * (scene.support ? 3 : 1) + (wanted.group_factor ? 20 : 0);
-  if (scene.support && scene.support->design) {
-    const DesignSettings& design = *scene.support->design;
-    // A pattern is asked about groups below their target and what it ties to them, once: a fifth of what a search takes
-    // in the same rock, and that is a fifth of what it takes at most.
-    constexpr double a_pattern = 0.04;
-    searches += a_pattern * static_cast<double>(design.lengths.size()) * (8.0 * design.phases + design.offsets);
+  for (const geometry::SolidFace& face : scene.domain.faces()) {
+    if (std::ranges::find(scene.free_domain_tags, face.tag) != scene.free_domain_tags.end())
+      area += add(scene.domain, face);
   }
-  return searches;
+  return area;
 }
 
-/// What judging blocks together took at most of examples, for each block near a free face; of all blocks at most as
-/// many as are judged together.
+/// Blocks within a few layers of free faces; sizes differ, so that more small ones lie there.
+double near_free_faces(const Scene& scene, const CutEstimate& cut) {
+  constexpr double layers = 6;
+  const double size = std::cbrt(scene.domain.volume().si() / std::max(1.0, cut.blocks));
+  return std::min(cut.blocks, layers * free_area_of(scene) / (size * size));
+}
+
+/// What a run asks of blocks together, over what it does of one state with target and support: groups and what the
+/// border holds of them, that once more at the target, and the support.
+double asked_together(const Scene& scene) {
+  constexpr double own = 0.5, at_target = 0.35, with_support = 0.15, a_factor = 0.15, a_pattern = 0.1, a_case = 0.7;
+  const StabilitySettings& wanted = *scene.stability;
+  const auto stages = static_cast<double>(scene.sequence ? scene.sequence->stages.size() : 0);
+  const double cases = 1 + a_case * static_cast<double>(wanted.cases.size());
+  const double state = own + (wanted.target || scene.support ? at_target : 0) + (scene.support ? with_support : 0);
+  if (scene.monte_carlo) {
+    const double states = scene.support ? cases * (1 + stages) : cases;
+    return wanted.decides_by_groups() ? static_cast<double>(scene.monte_carlo->realizations) * states * state : 0;
+  }
+  double asked = cases * (1 + stages) * state + (wanted.group_factor ? 20 * a_factor : 0);
+  if (scene.support && scene.support->design) {
+    const DesignSettings& design = *scene.support->design;
+    asked += a_pattern * static_cast<double>(design.lengths.size()) * (8.0 * design.phases + design.offsets);
+  }
+  return asked;
+}
+
+/// What judging blocks together took in tunnels of 60 to 3,000 blocks near free faces. Where they are too many to be
+/// judged with moments more of them hardly take longer; of all at most as many as are judged together count.
 void add_together(const Scene& scene, const CutEstimate& cut, SizeEstimate& estimate) {
   if (!scene.stability || scene.stability->groups == stability::GroupsCheck::off) return;
+  constexpr double a_block = 0.05, without_moments = 0.03;
   const bool decides = scene.stability->decides_by_groups();
-  const double a_block = decides ? 0.05 : 0.02;
   const stability::Together most = decides ? stability::most_together : stability::most_noted;
-  const auto limit = static_cast<double>(most.blocks);
-  estimate.together = Time::from_si(searches_of(scene) * a_block * std::min(cut.blocks, limit));
+  const auto limit = static_cast<double>(most.blocks), turning = static_cast<double>(most.turning);
+  const double near = std::min(near_free_faces(scene, cut), limit);
+  const double counted = std::min(near, turning) + without_moments * std::max(0.0, near - turning);
+  estimate.together = Time::from_si(asked_together(scene) * a_block * counted);
   if (cut.blocks > limit) estimate.most_together = limit;
 }
 

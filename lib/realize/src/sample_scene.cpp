@@ -15,7 +15,7 @@
 #include "cleave/realize/run.hpp"
 #include "cleave/scene3d/bounds.hpp"
 #include "cleave/scene3d/drawing_order.hpp"
-#include "overlaps.hpp"
+#include "cut_notes.hpp"
 
 namespace cleave::scene {
 namespace {

@@ -122,6 +122,12 @@ std::string designs_table(const std::vector<scene::DesignResult>& designs) {
          "where the widest holds: see the notes.</p>\n";
 }
 
+std::string held_in_failing_groups(const scene::SupportFigures& f) {
+  if (f.held_in_failing_groups == 0) return {};
+  return " <b>" + display_count(f.held_in_failing_groups) + " of those held " +
+         (f.held_in_failing_groups == 1 ? "lies" : "lie") + " in a group of blocks that is not, or in doubt</b>.";
+}
+
 std::string support_verdict(const scene::SupportFigures& support, const std::vector<scene::SupportCaseFigures>& cases) {
   using enum scene::GroupsJudged;
   if (!support.passes()) {
@@ -160,9 +166,9 @@ std::string support_section(const Page& page) {
                     (f.blocks == 1 ? " block needs support by itself: " : " blocks need support by themselves: ") +
                     display_count(f.held_by_bolts) + " held by bolts, " + display_count(f.held_by_shotcrete) +
                     " by shotcrete, " + display_count(f.held_by_both) + " by both together, " +
-                    display_count(f.not_held) + " not held. " + display_count(f.bolts) + " bolts (" +
-                    display_count(f.spot_bolts) + " spot bolts): " + display_count(f.bolts_used) +
-                    " that no other can replace, " +
+                    display_count(f.not_held) + " not held." + held_in_failing_groups(f) + " " +
+                    display_count(f.bolts) + " bolts (" + display_count(f.spot_bolts) +
+                    " spot bolts): " + display_count(f.bolts_used) + " that no other can replace, " +
                     (f.groups ? display_count(f.bolts_of_groups) + " more pull at groups of blocks, " : "") +
                     display_count(f.bolts_redundant) + " redundant, " + display_count(f.bolts_too_short) +
                     " too short. " + display_count(f.combined) + " bodies stitched together by bolts, " +

@@ -122,7 +122,10 @@ void parse_sets(const Context& context, const TableReader& table, const std::vec
   const auto take = [&](std::size_t number) {
     settings.sets[number] = 1;
     if (std::ranges::count(known, known[number]) > 1) {
-      table.error("sets", fmt::format("\"{}\" is the name of several [[joint_set]]", known[number].substr(0, 60)),
+      table.error("sets",
+                  known[number] == "default"
+                      ? std::string{"several [[joint_set]] have no name"}
+                      : fmt::format("\"{}\" is the name of several [[joint_set]]", known[number].substr(0, 60)),
                   "give each a name of its own, so that rows can say which one they mean");
     } else if (const auto why = dfn::cannot_honour(joint_sets[number].law)) {
       table.error("sets",

@@ -127,6 +127,14 @@ GroupSupport check_groups(const topology::AuditedComplex& complex, const Setting
                       most);
 }
 
+namespace {
+Volume volume_of(const KeyGroups& groups) {
+  Volume sum;
+  for (const KeyGroup& group : groups.groups) sum += group.volume;
+  return sum;
+}
+}  // namespace
+
 GroupSupport check_groups(const topology::AuditedComplex& complex, const Settings& settings, const SupportPlan& plan,
                           const SupportResult& support, KeyGroups below, assembly::UntiedSets& untied,
                           const Together& most) {
@@ -137,7 +145,13 @@ GroupSupport check_groups(const topology::AuditedComplex& complex, const Setting
   std::vector<BlockId> moving;
   for (const KeyGroup& group : out.below.groups) moving.insert(moving.end(), group.blocks.begin(), group.blocks.end());
   const BondShares bonds = bonds_without_support(complex.complex(), reduced, out.below);
-  out.left = search_groups(complex.complex(), reduced, most, ties, ties.with_tied(std::move(moving)), untied, bonds);
+  const std::vector<BlockId> begin = ties.with_tied(std::move(moving));
+  out.left = search_groups(complex.complex(), reduced, most, ties, begin, untied, bonds);
+  const bool turn = !out.left.groups.empty() && std::ranges::all_of(out.left.groups, &KeyGroup::moments);
+  if (turn && ties.slants()) {
+    KeyGroups straight = search_groups(complex.complex(), reduced, most, ties.straight_out(), begin, untied, bonds);
+    if (volume_of(straight) < volume_of(out.left)) out.left = std::move(straight);
+  }
   // What only the search with support could not decide.
   for (const KeyGroup& group : out.left.groups) {
     const auto shares = [&](const KeyGroup& other) {

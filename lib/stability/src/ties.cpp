@@ -90,6 +90,7 @@ Vec3 Ties::movement_at(BlockId block, Vec3 at) const {
 
 /// A block by itself has its layer straight against its motion, out of the face at whatever angle: so it is here.
 Ties::Pull Ties::pull_of(const Seam& seam) const {
+  if (straight_out_) return {seam.outward, seam.force};
   const Vec3 own = movement_at(seam.block, seam.at), beyond = movement_at(seam.beyond, seam.at), apart = own - beyond;
   if (!(norm(apart) > together * (norm(own) + norm(beyond)))) return {seam.outward, seam.force};
   const Vec3 way = geometry::normalized(apart);
@@ -97,6 +98,19 @@ Ties::Pull Ties::pull_of(const Seam& seam) const {
   if (norm(way - seam.outward) < together) return {seam.outward, seam.force};
   const bool both = seam.outward_beyond && dot(-way, *seam.outward_beyond) > along_face;
   return {way, both ? 0.5 * seam.force : seam.force};
+}
+
+Ties Ties::straight_out() const {
+  Ties out = *this;
+  out.straight_out_ = true;
+  return out;
+}
+
+bool Ties::slants() const {
+  return std::ranges::any_of(seams_, [&](const Seam& seam) {
+    const Pull pull = pull_of(seam);
+    return pull.force > 0 && pull.against != seam.outward;
+  });
 }
 
 double Ties::target(BlockId block, BlockId other) const { return std::max(target_[block], target_[other]); }

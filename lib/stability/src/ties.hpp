@@ -28,6 +28,12 @@ class Ties final {
   [[nodiscard]] std::vector<assembly::Contact> among(const Model& model, std::span<const topology::BlockId> blocks,
                                                      std::uint32_t batch) const;
 
+  /// The same with sprayed concrete straight against what would come out of its faces. What turns may need that, and a
+  /// layer can do either.
+  [[nodiscard]] Ties straight_out() const;
+  /// Whether that is any different.
+  [[nodiscard]] bool slants() const;
+
   /// Those of the blocks given, and what a bolt or a seam of sprayed concrete ties to them. Ascending.
   [[nodiscard]] std::vector<topology::BlockId> with_tied(std::vector<topology::BlockId> blocks) const;
 
@@ -53,6 +59,7 @@ class Ties final {
   const topology::BlockComplex* complex_;
   std::vector<BoltResult> bolts_;  ///< through more than one block
   std::vector<Seam> seams_;
+  bool straight_out_ = false;
   IdVector<topology::BlockId, assembly::Rate> movement_;  ///< without support; zero: rests
   IdVector<topology::BlockId, double> target_;
 };
