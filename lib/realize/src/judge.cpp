@@ -119,4 +119,12 @@ std::vector<Problem> misplaced_loads(const Scene& scene, const SampledScene& dra
   return problems;
 }
 
+std::string hash_of_key_blocks(const topology::BlockComplex& complex, const stability::Analysis& analysis) {
+  std::vector<topology::BlockId> leaving;
+  for (const stability::Batch& batch : analysis.batches) {
+    leaving.insert(leaving.end(), batch.blocks.begin(), batch.blocks.end());
+  }
+  return topology::canonical_hash(complex, leaving);
+}
+
 }  // namespace cleave::scene

@@ -62,4 +62,8 @@ std::vector<stability::KeyGroups> search_designs(const Scene& scene, const topol
 [[nodiscard]] stability::SupportPlan plan_under(const LoadCase& load, stability::SupportPlan plan);
 void judge_maximum_blocks(const Scene& scene, Realization& made);
 
+/// Of the blocks of all batches: equal whether all the rock was cut or only that near free faces.
+[[nodiscard]] std::string hash_of_key_blocks(const topology::BlockComplex& complex,
+                                             const stability::Analysis& analysis);
+
 }  // namespace cleave::scene

@@ -1,8 +1,5 @@
 #include "realizer.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -10,7 +7,6 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/topology/cut.hpp"
-#include "crumbs.hpp"
 #include "cut_estimate.hpp"
 #include "cut_problem.hpp"
 #include "field_stress.hpp"
@@ -21,14 +17,6 @@
 
 namespace cleave::scene {
 namespace {
-
-std::string hash_of_key_blocks(const topology::BlockComplex& complex, const stability::Analysis& analysis) {
-  std::vector<topology::BlockId> leaving;
-  for (const stability::Batch& batch : analysis.batches) {
-    leaving.insert(leaving.end(), batch.blocks.begin(), batch.blocks.end());
-  }
-  return topology::canonical_hash(complex, leaving);
-}
 
 /// What the cutter did not see yet: nothing.
 Realization nothing(const Scene& scene) { return {SampledScene{.input = {.domain = scene.domain}}}; }
@@ -242,133 +230,6 @@ Realizer::Done Realizer::judge() {
   return {};
 }
 
-/// In the base case.
-void Realizer::hold_by_next_to_nothing(const stability::Settings& settings) {
-  made_.tapered = stability::held_by_taper(*made_.complex, settings, *made_.analysis);
-  made_.held_alone = stability::domain_held(*made_.complex, settings, *made_.analysis);
-  made_.domain_held = with_groups(*made_.held_alone, settings, *made_.analysis, made_.key_groups, "");
-}
-
-stability::DomainHeld Realizer::with_groups(stability::DomainHeld held, const stability::Settings& settings,
-                                            const stability::Analysis& analysis,
-                                            const std::optional<stability::KeyGroups>& groups, std::string_view where) {
-  if (groups && !groups->too_many) {
-    (void)stability::add_held_together(*made_.complex, settings, analysis, *groups, held);
-  } else if (!groups && detail_ == Detail::shown && analysis.batches.empty() && held.blocks.empty() &&
-             std::ranges::any_of(made_.complex->complex().blocks(), &topology::Block::fixed)) {
-    notes_.push_back(std::string{where} +
-                     "no block moves by itself; whether blocks that would move together are held by sides of the "
-                     "domain that are not free was not asked (groups = \"off\")");
-  }
-  return held;
-}
-
-std::optional<Targets> Realizer::target_of(const LoadCase* load) const {
-  if (load != nullptr && load->target) return load->target;
-  if (scene_->stability->target) return scene_->stability->target;
-  if (!scene_->support) return std::nullopt;
-  return Targets{.falling = scene_->support->plan.target_falling, .sliding = scene_->support->plan.target_sliding};
-}
-
-std::optional<stability::KeyGroups> Realizer::groups_below(const topology::AuditedComplex& complex,
-                                                           const stability::Settings& settings,
-                                                           const std::optional<stability::KeyGroups>& groups,
-                                                           const std::optional<Targets>& target) const {
-  if (!target || scene_->support || !groups || groups->too_many) return std::nullopt;
-  stability::SupportPlan plan;
-  plan.target_sliding = target->sliding;
-  return stability::groups_below_target(complex, settings, plan, together(*scene_, options_.threads));
-}
-
-void Realizer::look_for_held() {
-  HeldNotes held{*scene_, together(*scene_, options_.threads), notes_};
-  const topology::AuditedComplex& complex = *made_.complex;
-  held.look({.complex = &complex,
-             .settings = settings(complex.complex()),
-             .analysis = &*made_.analysis,
-             .groups = &made_.key_groups,
-             .target = target_of(nullptr),
-             .held = &*made_.domain_held});
-  for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
-    const CaseResult& load = made_.load_cases[k];
-    const LoadCase& stated = scene_->stability->cases[k];
-    held.look({.complex = &complex,
-               .settings = settings_on(complex.complex(), *scene_, made_, stated.loads),
-               .analysis = &load.analysis,
-               .groups = &load.groups,
-               .target = target_of(&stated),
-               .where = "load case " + load.name + ": ",
-               .place = JudgedState::Place::load,
-               .held = &*load.domain_held,
-               .below_target = &load.groups_below_target});
-  }
-  if (made_.sequence) look_for_held_in_stages(held);
-  made_.not_asked = held.not_asked();
-}
-
-/// But in the last where nothing fell before it: that is the base case.
-void Realizer::look_for_held_in_stages(HeldNotes& held) {
-  bool fell = false;
-  for (const StageResult& row : made_.sequence->stages) {
-    if (&row == &made_.sequence->stages.back() && (!fell || made_.sequence->fallen == Fallen::put_back)) break;
-    if (!row.complex || !*row.complex || !row.analysis) continue;
-    fell = fell || !row.analysis->batches.empty();
-    const topology::AuditedComplex& complex = **row.complex;
-    const std::string after = "after stage " + std::to_string(row.stage);
-    const auto look = [&](const LoadCase* load, const stability::Analysis& analysis,
-                          const std::optional<stability::KeyGroups>& groups) {
-      const stability::Settings with =
-          settings_on(complex.complex(), *scene_, made_, load != nullptr ? load->loads : scene_->stability->loads);
-      const auto below = groups_below(complex, with, groups, target_of(load));
-      held.look({.complex = &complex,
-                 .settings = with,
-                 .analysis = &analysis,
-                 .groups = &groups,
-                 .target = target_of(load),
-                 .where = after + (load != nullptr ? ", load case " + load->name + ": " : ": "),
-                 .place = load != nullptr ? JudgedState::Place::stage_under_load : JudgedState::Place::stage,
-                 .below_target = &below});
-    };
-    look(nullptr, *row.analysis, row.groups);
-    for (std::size_t k = 0; k < row.cases.size(); ++k) {
-      look(&scene_->stability->cases[k], row.cases[k].analysis, row.cases[k].groups);
-    }
-  }
-}
-
-/// Of a scene with a target and without support, which asks for it itself.
-void Realizer::judge_groups_below_target() {
-  const topology::AuditedComplex& complex = *made_.complex;
-  made_.groups_below_target =
-      groups_below(complex, settings(complex.complex()), made_.key_groups, scene_->stability->target);
-  for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
-    const LoadCase& stated = scene_->stability->cases[k];
-    made_.load_cases[k].groups_below_target =
-        groups_below(complex, settings_on(complex.complex(), *scene_, made_, stated.loads), made_.load_cases[k].groups,
-                     target_of(&stated));
-  }
-}
-
-/// Ensembles count groups only where they decide.
-bool Realizer::judges_groups() const {
-  return detail_ == Detail::counted ? scene_->stability->decides_by_groups()
-                                    : scene_->stability->groups != stability::GroupsCheck::off;
-}
-
-void Realizer::find_groups(const topology::AuditedComplex& complex) {
-  made_.key_groups =
-      stability::find_key_groups(complex, settings(complex.complex()), together(*scene_, options_.threads));
-}
-
-/// Those of a window were found when it was cut.
-void Realizer::judge_groups() {
-  const topology::AuditedComplex& complex = *made_.complex;
-  if (!made_.key_groups) find_groups(complex);
-  if (!scene_->stability->decides_by_groups()) return;
-  stability::decide_by_groups(complex, settings(complex.complex()), *made_.key_groups, *made_.analysis);
-  made_.key_block_hash = hash_of_key_blocks(complex.complex(), *made_.analysis);
-}
-
 /// Those of a window were judged when it was cut.
 void Realizer::judge_load_cases() {
   const topology::AuditedComplex& complex = *made_.complex;
@@ -385,144 +246,11 @@ void Realizer::judge_load_cases() {
   }
 }
 
-void Realizer::judge_groups_of_cases() {
-  const topology::AuditedComplex& complex = *made_.complex;
-  for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
-    CaseResult& load = made_.load_cases[k];
-    const stability::Settings with = settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads);
-    load.groups = stability::find_key_groups(complex, with, together(*scene_, options_.threads));
-    if (scene_->stability->decides_by_groups()) stability::decide_by_groups(complex, with, *load.groups, load.analysis);
-    add_moving_group_notes(*load.groups, load.analysis, "load case " + load.name + ": ", notes_);
-  }
-}
-
-void Realizer::taper_of_stages() {
-  if (!made_.sequence) return;
-  for (StageResult& row : made_.sequence->stages) {
-    if (!row.complex || !*row.complex || !row.analysis) continue;
-    const topology::AuditedComplex& complex = **row.complex;
-    row.tapered = stability::held_by_taper(complex, settings(complex.complex()), *row.analysis);
-  }
-}
-
-void Realizer::held_by_micro_blocks() {
-  made_.held_by_crumbs.reset();
-  if (scene_->micro_blocks.policy != MicroBlockPolicy::report || near_) return;
-  const auto crumbs_of = [&](const topology::BlockComplex& complex) {
-    return micro_blocks(complex, scene_->micro_blocks);
-  };
-  const topology::AuditedComplex& complex = *made_.complex;
-  const auto crumbs = crumbs_of(complex.complex());
-  const stability::Together most = together(*scene_, options_.threads);
-  made_.held_by_crumbs =
-      held_by_crumbs(complex, settings(complex.complex()), *made_.analysis, made_.key_groups, crumbs, most);
-  for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
-    const CaseResult& load = made_.load_cases[k];
-    const stability::Settings pushed =
-        settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads);
-    add_crumb_notes(held_by_crumbs(complex, pushed, load.analysis, load.groups, crumbs, most), made_.held_by_crumbs,
-                    "load case " + load.name + ": ", notes_);
-  }
-  if (!made_.sequence) return;
-  for (const StageResult& row : made_.sequence->stages) {
-    if (!row.complex || !*row.complex || !row.analysis) continue;
-    const topology::AuditedComplex& stage = **row.complex;
-    add_crumb_notes(
-        held_by_crumbs(stage, settings(stage.complex()), *row.analysis, row.groups, crumbs_of(stage.complex()), most),
-        made_.held_by_crumbs, "after stage " + std::to_string(row.stage) + ": ", notes_);
-  }
-}
-
-void Realizer::supported_by_micro_blocks() {
-  if (scene_->micro_blocks.policy != MicroBlockPolicy::report || near_ || detail_ != Detail::shown) return;
-  const topology::AuditedComplex& complex = *made_.complex;
-  const auto crumbs = micro_blocks(complex.complex(), scene_->micro_blocks);
-  add_supported_by_crumbs_note(complex, settings(complex.complex()), scene_->support->plan, *made_.support, crumbs, "",
-                               notes_);
-  for (std::size_t k = 0; k < made_.support_cases.size(); ++k) {
-    const CaseSupport& load = made_.support_cases[k];
-    const LoadCase& stated = scene_->stability->cases[k];
-    add_supported_by_crumbs_note(complex, settings_on(complex.complex(), *scene_, made_, stated.loads),
-                                 plan_under(stated, scene_->support->plan), load.support, crumbs,
-                                 "load case " + load.name + ": ", notes_);
-  }
-}
-
-/// Each stage, with what fell before it: a state of its own, in which groups may move that do not in the final one.
-void Realizer::judge_groups_of_stages() {
-  if (!made_.sequence) return;
-  for (StageResult& row : made_.sequence->stages) {
-    if (!row.complex || !*row.complex || !row.analysis) continue;
-    const topology::AuditedComplex& complex = **row.complex;
-    row.groups = stability::find_key_groups(complex, settings(complex.complex()), together(*scene_, options_.threads));
-    const std::string after = "after stage " + std::to_string(row.stage);
-    add_moving_group_notes(*row.groups, *row.analysis, after + ": ", notes_);
-    for (std::size_t k = 0; k < row.cases.size(); ++k) {
-      StageCase& under = row.cases[k];
-      under.groups = stability::find_key_groups(
-          complex, settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads),
-          together(*scene_, options_.threads));
-      if (scene_->stability->decides_by_groups()) {
-        const stability::Settings with =
-            settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads);
-        stability::decide_by_groups(complex, with, *under.groups, under.analysis);
-        under.key_blocks = count_key_blocks(under.analysis);
-      }
-      add_moving_group_notes(*under.groups, under.analysis, after + ", load case " + under.name + ": ", notes_);
-    }
-  }
-}
-
 void Realizer::support() {
   below_target_.clear();
   if (made_.undecided.empty())
     below_target_ = judge_support(*scene_, *made_.complex, *made_.analysis, made_, detail_, options_.threads);
   if (made_.undecided.empty()) supported_by_micro_blocks();
-}
-
-/// Whether it holds groups that miss their target, in the base case and in each load case; ensembles ask it where
-/// groups decide.
-void Realizer::support_of_groups() {
-  made_.group_support.reset();
-  for (CaseSupport& load : made_.support_cases) load.groups.reset();
-  const topology::BlockComplex& complex = made_.complex->complex();
-  if (!made_.key_groups && asks_what_turns()) find_groups(*made_.complex);
-  if (!made_.key_groups || made_.key_groups->too_many) return;
-  made_.group_support = groups_with_support(settings(complex), scene_->support->plan, *made_.support, "", 0);
-  for (std::size_t k = 0; k < made_.support_cases.size(); ++k) {
-    CaseSupport& load = made_.support_cases[k];
-    const LoadCase& stated = scene_->stability->cases[k];
-    load.groups = groups_with_support(settings_on(complex, *scene_, made_, stated.loads),
-                                      plan_under(stated, scene_->support->plan), load.support,
-                                      "load case " + load.name + ": ", k + 1);
-  }
-}
-
-/// An ensemble that counts no groups: what only turns is asked as the replay of the realization asks it.
-bool Realizer::asks_what_turns() const {
-  if (scene_->stability->groups == stability::GroupsCheck::off) return false;
-  return !made_.support->turning.empty() || std::ranges::any_of(made_.support_cases, [](const CaseSupport& load) {
-    return !load.support.turning.empty();
-  });
-}
-
-std::optional<stability::GroupSupport> Realizer::groups_with_support(const stability::Settings& settings,
-                                                                     const stability::SupportPlan& plan,
-                                                                     stability::SupportResult& support,
-                                                                     std::string_view where, std::size_t number) {
-  const stability::Together most = together(*scene_, options_.threads);
-  assembly::UntiedSets untied;
-  stability::GroupSupport found =
-      number < below_target_.size()
-          ? check_groups(*made_.complex, settings, plan, support, below_target_[number], untied, most)
-          : check_groups(*made_.complex, settings, plan, support, most);
-  if (found.too_many()) {
-    notes_.push_back(too_many_with_support(where));
-    return std::nullopt;
-  }
-  mark_bolts_of_groups(found, support);
-  judge_turning(found, support);
-  return found;
 }
 
 Realizer::Done Realizer::move() {

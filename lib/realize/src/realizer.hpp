@@ -39,14 +39,38 @@ class Realizer final {
   [[nodiscard]] Done cut_near_free_faces();
   void audit();
   [[nodiscard]] Done judge();
+  /// Each [[load]], with its groups where they are judged.
+  void judge_load_cases();
+  void support();
+  [[nodiscard]] Done clamp();
+  [[nodiscard]] Done move();
+  [[nodiscard]] Done send_water();
+  [[nodiscard]] stability::Settings settings(const topology::BlockComplex& complex) const;
+  [[nodiscard]] stability::Analysis analyse(const topology::AuditedComplex& complex) const;
+  [[nodiscard]] stability::Analysis analyse_stage(const topology::AuditedComplex& complex) const;
+
+  // Blocks judged together (realizer_groups.cpp).
   [[nodiscard]] bool judges_groups() const;
   void find_groups(const topology::AuditedComplex& complex);
   void judge_groups();
-  /// Each [[load]], with its groups where they are judged.
-  void judge_load_cases();
   void judge_groups_of_cases();
   void judge_groups_of_stages();
   void judge_groups_below_target();
+  [[nodiscard]] std::optional<stability::KeyGroups> groups_below(const topology::AuditedComplex& complex,
+                                                                 const stability::Settings& settings,
+                                                                 const std::optional<stability::KeyGroups>& groups,
+                                                                 const std::optional<Targets>& target) const;
+  void support_of_groups();
+  /// Of the base case, `number` 0, or a load case; empty, and noted, where more blocks than are judged together are
+  /// near free faces.
+  [[nodiscard]] std::optional<stability::GroupSupport> groups_with_support(const stability::Settings& settings,
+                                                                           const stability::SupportPlan& plan,
+                                                                           stability::SupportResult& support,
+                                                                           std::string_view where, std::size_t number);
+  /// Nothing is asked of ensembles that is only flagged.
+  [[nodiscard]] bool asks_what_turns() const;
+
+  // What stays by something that may not be there (realizer_held.cpp).
   /// Blocks that stay for a reason that may not hold: a side of the domain, a slight taper.
   void hold_by_next_to_nothing(const stability::Settings& settings);
   void taper_of_stages();
@@ -63,26 +87,7 @@ class Realizer final {
                                                   const stability::Analysis& analysis,
                                                   const std::optional<stability::KeyGroups>& groups,
                                                   std::string_view where);
-  [[nodiscard]] std::optional<stability::KeyGroups> groups_below(const topology::AuditedComplex& complex,
-                                                                 const stability::Settings& settings,
-                                                                 const std::optional<stability::KeyGroups>& groups,
-                                                                 const std::optional<Targets>& target) const;
-  void support();
-  void support_of_groups();
-  /// Of the base case, `number` 0, or a load case; empty, and noted, where more blocks than are judged together are
-  /// near free faces.
-  [[nodiscard]] std::optional<stability::GroupSupport> groups_with_support(const stability::Settings& settings,
-                                                                           const stability::SupportPlan& plan,
-                                                                           stability::SupportResult& support,
-                                                                           std::string_view where, std::size_t number);
-  [[nodiscard]] Done clamp();
-  [[nodiscard]] Done move();
-  [[nodiscard]] Done send_water();
-  [[nodiscard]] stability::Settings settings(const topology::BlockComplex& complex) const;
-  /// Nothing is asked of ensembles that is only flagged.
-  [[nodiscard]] bool asks_what_turns() const;
-  [[nodiscard]] stability::Analysis analyse(const topology::AuditedComplex& complex) const;
-  [[nodiscard]] stability::Analysis analyse_stage(const topology::AuditedComplex& complex) const;
+
   template <class Work>
   decltype(auto) booked(Step which, Work&& work) {
     progress_->begin(name_of(which));

@@ -1,0 +1,142 @@
+#include "support_notes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "group_notes.hpp"
+
+namespace cleave::scene {
+namespace {
+
+/// Of the support of a stage, or of one under a load. `where`: before the note.
+void add_stage_groups_notes(const std::optional<SupportedGroupFigures>& groups, bool too_many, const std::string& where,
+                            std::vector<std::string>& notes) {
+  if (too_many) notes.push_back(too_many_with_support(where));
+  if (!groups || groups->all_held()) return;
+  notes.push_back(
+      fmt::format("{}the support installed by then does not hold {} of {} {} of blocks below the target ({:.4g} m3), "
+                  "{} in doubt: see sequence in summary.json",
+                  where, groups->not_held, groups->count, groups->count == 1 ? "group" : "groups",
+                  groups->not_held_volume.si(), groups->in_doubt));
+}
+
+/// Bolts that hold on to what only a side of the domain holds.
+void add_anchor_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
+  if (support.held_by_border.empty()) return;
+  const std::size_t count = support.held_by_border.size();
+  notes.push_back(fmt::format(
+      "bolts go through {} {} that only a side of the domain holds ({}{}): they count as rock that stays, so that what "
+      "is bolted to them alone may move with them; enlarge the domain",
+      count, count == 1 ? "block" : "blocks", support.held_by_border.front().value(), count > 1 ? ", ..." : ""));
+}
+
+/// Shotcrete that is held at what only a side of the domain holds.
+void add_sprayed_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
+  if (support.sprayed_at_border.empty()) return;
+  const std::size_t count = support.sprayed_at_border.size();
+  notes.push_back(fmt::format(
+      "shotcrete at the edges of blocks is held at {} {} that only a side of the domain holds ({}{}): they count as "
+      "rock that stays, so that what hangs on that layer may move with them; enlarge the domain",
+      count, count == 1 ? "block" : "blocks", support.sprayed_at_border.front().value(), count > 1 ? ", ..." : ""));
+}
+
+/// Key blocks that only turn and that nothing was asked to hold. `where`: the load case, before the note.
+void add_turning_note(const stability::SupportResult& support, const std::optional<stability::GroupSupport>& groups,
+                      std::string_view where, std::vector<std::string>& notes) {
+  std::size_t unasked = 0;
+  for (const stability::OnlyTurns& turning : support.turning) {
+    const bool asked = groups && !groups->below.without_moments && !groups->left.without_moments &&
+                       std::ranges::any_of(groups->below.groups, [&](const stability::KeyGroup& group) {
+                         return std::ranges::binary_search(group.blocks, turning.block);
+                       });
+    unasked += turning.held || asked ? 0U : 1U;
+  }
+  if (unasked == 0) return;
+  const bool one = unasked == 1;
+  notes.push_back(
+      fmt::format("{}{} that only turn{} {} with the support in translation alone, in which {} at rest: whether it "
+                  "holds {} is not known, and it does not pass; groups = \"decide\" judges moments too",
+                  where, one ? "1 key block" : fmt::format("{} key blocks", unasked), one ? "s" : "",
+                  one ? "was judged" : "were judged", one ? "it is" : "they are", one ? "it" : "them"));
+}
+
+/// Bolts that grip where nothing is known of the rock.
+void add_outside_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
+  std::size_t count = 0;
+  double outside = 0, most = 0;
+  for (const stability::BoltResult& bolt : support.bolts) {
+    if (!(bolt.outside > Length{})) continue;
+    ++count;
+    outside += bolt.outside.si();
+    most = std::max(most, bolt.outside.si());
+  }
+  if (count == 0) return;
+  notes.push_back(fmt::format(
+      "{} of {} bolts {} the domain through a side that is not free: {:.3g} m of {}{} lie outside and grip as rock "
+      "that goes on there would; where air or an opening is there instead, enlarge the domain; see outside_m in "
+      "bolts.csv",
+      count, support.bolts.size(), count == 1 ? "leaves" : "leave", outside, count == 1 ? "it" : "them",
+      count == 1 ? "" : fmt::format(", up to {:.3g} m of one,", most)));
+}
+
+/// Bolts that are not in the rock at all.
+void add_off_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
+  const auto off =
+      std::ranges::count_if(support.bolts, [](const auto& b) { return b.status == stability::BoltStatus::off; });
+  if (off == 0) return;
+  notes.push_back(fmt::format(
+      "{} of {} bolts {} off the rock: they point away from it, their heads stand where nothing is left or at the very "
+      "end of the domain, or the axis of their tunnel goes on outside it; they hold nothing; see bolts.csv",
+      off, support.bolts.size(), off == 1 ? "is" : "are"));
+}
+
+}  // namespace
+
+void add_stage_support_notes(const SequenceResult& sequence, std::vector<std::string>& notes) {
+  for (const StageResult& row : sequence.stages) {
+    if (!row.support) continue;
+    const std::string after = fmt::format("after stage {}", row.stage);
+    add_stage_groups_notes(row.support->groups, row.support->too_many, after + ": ", notes);
+    for (const StageCase& under : row.cases) {
+      add_stage_groups_notes(under.supported_groups, under.too_many,
+                             fmt::format("{}, load case {}: ", after, under.name), notes);
+      if (under.not_held.value_or(0) == 0 && under.combined_failing.value_or(0) == 0) continue;
+      notes.push_back(
+          fmt::format("after stage {}, load case {}: the support installed by then leaves {} {} and {} stitched bodies "
+                      "below the required factors of safety",
+                      row.stage, under.name, *under.not_held, *under.not_held == 1 ? "block" : "blocks",
+                      under.combined_failing.value_or(0)));
+    }
+    if (row.support->spot_bolts > 0 && &row != &sequence.stages.back()) {
+      notes.push_back(fmt::format(
+          "after stage {} {} put in for what stands then: see after_stage in bolts.csv", row.stage,
+          row.support->spot_bolts == 1 ? "1 spot bolt is" : fmt::format("{} spot bolts are", row.support->spot_bolts)));
+    }
+    if (row.support->not_held == 0 && row.support->combined_failing == 0) continue;
+    notes.push_back(
+        fmt::format("after stage {} the support installed by then leaves {} of {} blocks and {} stitched bodies below "
+                    "the required factors of safety: see sequence in summary.json",
+                    row.stage, row.support->not_held, row.support->blocks, row.support->combined_failing));
+  }
+}
+
+void add_support_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
+  if (!made.support) return;
+  add_anchor_note(*made.support, notes);
+  add_sprayed_note(*made.support, notes);
+  add_turning_note(*made.support, made.group_support, "", notes);
+  for (const CaseSupport& load : made.support_cases) {
+    add_turning_note(load.support, load.groups, fmt::format("load case {}: ", load.name), notes);
+  }
+  add_outside_note(*made.support, notes);
+  // Beyond what was cut on demand rock is not known.
+  if (!made.window) add_off_note(*made.support, notes);
+  if (scene.stability->groups == stability::GroupsCheck::off) {
+    notes.emplace_back(
+        "support: with groups = \"off\" it was not asked whether it holds blocks that move together, nor whether a "
+        "bolt carries all blocks it goes through at once");
+  }
+}
+
+}  // namespace cleave::scene
