@@ -58,8 +58,8 @@ TEST(ElasticTest, OnlyPairsThatBendMayOverlapByMore) {
     std::vector<Body> bodies{fixed("left", rectangle(-1, 0, 1, 1)), fixed("right", rectangle(1, 0, 1, 1)),
                              bends ? elastic_body(jammed, {.young = 1e10}, 2, 12) : block("jammed", jammed),
                              elastic_body(rectangle(5, 0, 1, 1), {.young = 1e10}, 2, 12)};
-    World world = make(bodies, law(0.5),
-                       {.gravity = {0, 0}, .step = 1e-5, .overlap_elastic = 2e-5, .overlap_at_start = 2e-5});
+    World world =
+        make(bodies, law(0.5), {.gravity = {0, 0}, .step = 1e-5, .overlap_elastic = 2e-5, .overlap_at_start = 2e-5});
     EXPECT_EQ(world.step().has_value(), bends);
   }
 }
@@ -88,8 +88,7 @@ TEST(ElasticTest, ABodyThatSpinsIsStretchedByItsSpin) {
   EXPECT_NEAR(most, 7 * stretched, 1e-3 * stretched);
   EXPECT_GT(told.energy().work, 0);
   EXPECT_NEAR(told.energy().lost, 0, 1e-8);
-  World leaning =
-      make({spun, fixed("wall", rectangle(0.5, -0.5, 1, 1))}, law(0.5), {.gravity = {0, 0}, .step = 1e-3});
+  World leaning = make({spun, fixed("wall", rectangle(0.5, -0.5, 1, 1))}, law(0.5), {.gravity = {0, 0}, .step = 1e-3});
   EXPECT_EQ(leaning.modal_amplitudes(0)[0], 0);
   spun.modes->stretch = {2, 1};
   EXPECT_FALSE(World::make({spun}, law(0.5), {}).has_value());
@@ -234,6 +233,9 @@ TEST(StiffnessTest, ShearsNoFartherThanFrictionLets) {
   run(world, 0.5);
   const double way = 0.5 * g * (std::sin(radians(30)) - 0.3 * std::cos(radians(30))) * 0.25;
   EXPECT_NEAR(norm(world.displacement(1)) / way, 1, 2e-3);
+  // What slips on springs is friction, too; the springs keep the rest.
+  EXPECT_NEAR(world.energy().friction / (0.3 * weight * std::cos(radians(30)) * way), 1, 2e-3);
+  EXPECT_LT(std::abs(world.energy().lost), 2e-2 * world.energy().friction);
 }
 
 TEST(BondTest, HoldsByTensionUntilItIsTooMuch) {
