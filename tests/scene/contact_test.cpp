@@ -683,6 +683,74 @@ TEST(ContactScene, JointsCloseAndShearByTheirStiffness) {
   EXPECT_NEAR((0.5 - two.bodies[2].centroid.y) / (weight / (1e9 * 2)), 1, 1e-3);
 }
 
+// A brick on another one tips over the end of its side: its spring, pressed by a millimetre, is handed from one edge to
+// the next and stands for more of the joint there.
+TEST(ContactScene, SpringsThatChangeTheirEdgeMakeNoEnergy) {
+  for (const double step : {1e-3, 5e-4}) {
+    const ContactResult r = ran(
+        "[rock]\ndensity = 2600\nyoung = 6378788802.382604\npoisson = 0.25\n[joints.default]\nfriction = 30\n"
+        "normal_stiffness = 499651669.4645712\nshear_stiffness = 249825834.7322856\n[contact]\nduration = 0.14\nrigid "
+        "= false\nelement = 0.5\nground = { acceleration = [-0.7806293732982956, 1.8967447730370215] }\nstep = " +
+        fmt::format("{}", step) +
+        "\n[[body]]\nfixed = true\noutline = [[-20, -1], [30, -1], [30, 0], [-20, 0]]\n"
+        "[[body]]\nrectangle = { corner = [0, 0], width = 1, height = 0.5 }\n"
+        "[[body]]\nrectangle = { corner = [0.5, 0.5], width = 1, height = 0.5 }\n");
+    ASSERT_TRUE(r.converged);
+    EXPECT_LT(r.energy_gain, 1e-6) << step;  // it was 28.9 J
+    EXPECT_GT(r.history.back().lost, 0) << step;
+  }
+}
+
+// Bricks that turn about one another while friction holds them: no slip, and none that gives anything back.
+// A block of 2 m on springs under its weight, let go: what a swing loses in a period is what the note says.
+TEST(ContactScene, StepsThatDampSpringsAreSaid) {
+  const double period = 2 * std::numbers::pi * std::sqrt(2000.0 / 1e7);
+  const auto let_go = [&](double step, bool at_rest) {
+    return ran(
+        fmt::format("[rock]\ndensity = 2000\n[joints.default]\nfriction = 30\nnormal_stiffness = 1e7\n[contact]\n"
+                    "rigid = true\n{}duration = {}\nstep = {}\n[[body]]\nfixed = true\nrectangle = {{ corner = "
+                    "[-5, -1], width = 10, height = 1 }}\n[[body]]\nrectangle = {{ corner = [0, 0], width = 2, "
+                    "height = 1 }}\n",
+                    at_rest ? "static = true\n" : "", at_rest ? 100.0 : 2 * period, step));
+  };
+  const auto note_of = [](const ContactResult& r) {
+    for (const std::string& note : r.notes) {
+      if (note.contains("swing on joints with stiffness")) return note;
+    }
+    return std::string{};
+  };
+  const ContactResult coarse = let_go(period / 100, false);
+  const std::string note = note_of(coarse);
+  EXPECT_TRUE(note.contains("with periods of 0.089 to 0.089 s, and steps of 0.00089 s take 26 to 26 %")) << note;
+  EXPECT_TRUE(note.contains("with step = 3e-05 it is")) << note;
+  // Of half the weight's sag times the weight; what it would give to the swing and to gravity stays otherwise.
+  const double swing = 0.5 * std::pow(2 * 2000 * 9.81, 2) / (2 * 1e7);
+  EXPECT_NEAR(coarse.history.back().lost / swing, 1 - (1 - 0.256) * (1 - 0.256), 0.01);
+  EXPECT_EQ(note_of(let_go(period / 100, true)), "");
+  EXPECT_EQ(note_of(let_go(period / 3200, false)), "");
+}
+
+TEST(ContactScene, FrictionTakesAndNeverGives) {
+  std::string bricks;
+  for (int course = 0; course < 4; ++course) {
+    for (const double x : {0.0, 1.0}) {
+      bricks += fmt::format("[[body]]\nrectangle = {{ corner = [{}, {}], width = 1, height = 0.5 }}\n",
+                            x + 0.5 * (course % 2), 0.5 * course);
+    }
+  }
+  const ContactResult r =
+      ran("[rock]\ndensity = 2600\n[joints.default]\nfriction = 55\n[contact]\nduration = 0.4\nstep = 0.005\nrigid = "
+          "true\nground = { acceleration = [7.145169212064729, -1.423441990069751] }\n"
+          "[[body]]\nfixed = true\noutline = [[-20, -1], [30, -1], [30, 0], [-20, 0]]\n" +
+          bricks);
+  ASSERT_TRUE(r.converged);
+  for (std::size_t k = 1; k < r.history.size(); ++k) {
+    ASSERT_GE(r.history[k].friction, r.history[k - 1].friction) << r.history[k].time;
+  }
+  const ContactHistory& last = r.history.back();
+  EXPECT_NEAR(last.kinetic + last.gravity + last.friction + last.lost, last.work, 1e-9 * last.work);
+}
+
 TEST(ContactScene, ErrorOfTheStepsIsEstimatedOrNot) {
   // A block of 0.4 x 1 m rocks on its base; the answer of a hundredth of the step is the exact one.
   const auto rocking = [](double step, bool asked) {

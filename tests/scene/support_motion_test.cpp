@@ -77,6 +77,24 @@ TEST(SupportMotionTest, APlateThatDropsFasterThanItFallsLeavesTheBlock) {
   EXPECT_NEAR(lifted.history.back().points[1].y, lifted.history.back().points[0].y, 1e-6);
 }
 
+// The same shaking, of the ground and of the support: what has moved has moved off the support.
+TEST(SupportMotionTest, WhatRidesOnASupportStands) {
+  const auto verdict = [](double a, const std::string& more = {}) {
+    const std::string motion = "{ acceleration = [" + std::to_string(a) + ", 0] }";
+    return std::string{name_of(verdict_of(ran(scene_of(motion) + more)))};
+  };
+  const std::string second = "[[body]]\nrectangle = { corner = [-0.5, 0.5], width = 1, height = 0.5 }\n";
+  EXPECT_EQ(verdict(3), "stands");  // 0.37 m along, with the plate
+  EXPECT_EQ(verdict(3, second), "stands");
+  EXPECT_EQ(verdict(5), "slides");
+  // What touches a wall beside the plate leaves one of the two.
+  EXPECT_EQ(verdict(-3, "[[body]]\nfixed = true\nrectangle = { corner = [0.5, 0], width = 1, height = 0.5 }\n"),
+            "slides");
+  // Harmonic: it swings with the plate.
+  const std::string swings = "{ velocity = [0.5, 0], time = { kind = \"harmonic\", frequency = 1 } }";
+  EXPECT_EQ(name_of(verdict_of(ran(scene_of(swings, "duration = 1\nstep = 0.002\n")))), "stands");
+}
+
 TEST(SupportMotionTest, ARunThatWasStoppedKeepsIt) {
   const std::string text = scene_of("{ acceleration = [5, 0], time = { kind = \"harmonic\", frequency = 3 } }");
   const ContactResult whole = ran(text);

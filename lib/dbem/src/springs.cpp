@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -118,8 +120,44 @@ Vec2 JointState::compliance_of(const ContactCandidate& t) const {
   const double length =
       length_of({corners_of(corners, t.i), shapes[t.i].sharp}, {corners_of(corners, t.j), shapes[t.j].sharp},
                 {t.vertex, t.edge, t.met}, alone, [&](Vec2 along, double whole) { return share_of(t, along, whole); });
-  return {law.normal_stiffness ? 1 / (*law.normal_stiffness * length) : 0.0,
-          law.shear_stiffness ? 1 / (*law.shear_stiffness * length) : 0.0};
+  Vec2 soft{law.normal_stiffness ? 1 / (*law.normal_stiffness * length) : 0.0,
+            law.shear_stiffness ? 1 / (*law.shear_stiffness * length) : 0.0};
+  if (const auto at = remembered(t, {})) {
+    if (soft.x > 0) soft.x = std::max(soft.x, memory[*at].compliance.x);
+    if (soft.y > 0) soft.y = std::max(soft.y, memory[*at].compliance.y);
+  }
+  return soft;
+}
+
+std::optional<World::SpringSwings> World::spring_swings() const {
+  const Impl& w = *impl_;
+  // The stiffness of all springs at a body, about the scene's axes.
+  std::vector<bem::Mat2> stiffness(w.size());
+  for (const ContactCandidate& t : w.touches) {
+    const Vec2 soft = w.compliance_of(t), along = turned_left(t.normal);
+    const double feature = std::min(w.shapes[t.i].feature, w.shapes[t.j].feature);
+    if (soft == Vec2{} || t.gap > 1e-6 * feature) continue;
+    const auto add = [&](double one, Vec2 d) {
+      const bem::Mat2 k{d.x * d.x / one, d.x * d.y / one, d.x * d.y / one, d.y * d.y / one};
+      for (const std::uint32_t body : {t.i, t.j}) stiffness[body] += k;
+    };
+    if (soft.x > 0) add(soft.x, t.normal);
+    if (soft.y > 0) add(soft.y, along);
+  }
+  double least = std::numeric_limits<double>::infinity(), most = 0;  // squares of circular frequencies
+  for (std::size_t b = 0; b < w.size(); ++b) {
+    if (w.shapes[b].fixed || !(w.shapes[b].mass > 0)) continue;
+    const bem::Mat2& k = stiffness[b];
+    const double mean = 0.5 * (k.xx + k.yy), off = std::hypot(0.5 * (k.xx - k.yy), k.xy);
+    for (const double square : {(mean - off) / w.shapes[b].mass, (mean + off) / w.shapes[b].mass}) {
+      if (!(square > 1e-9 * mean / w.shapes[b].mass)) continue;
+      least = std::min(least, square);
+      most = std::max(most, square);
+    }
+  }
+  if (!(most > 0)) return std::nullopt;
+  const auto period = [](double square) { return Time::from_si(2 * std::numbers::pi / std::sqrt(square)); };
+  return SpringSwings{period(most), period(least)};
 }
 
 }  // namespace cleave::dbem

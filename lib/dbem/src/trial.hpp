@@ -63,6 +63,8 @@ class Trial final {
 
   void note_contacts();
   void note_contact(std::size_t group, std::size_t contact);
+  /// From the velocities before and after the step.
+  [[nodiscard]] double friction_work(std::size_t group, std::size_t contact, Vec2 old, Vec2 now) const;
   /// Of bodies whose velocity is given.
   void note_given_work(const Rows& rows, std::size_t contact, Vec2 impulse);
   /// Work of the loads other than gravity, and what is left over at each body.
@@ -80,6 +82,7 @@ class Trial final {
   std::vector<ContactCandidate> moved_;  // where impulses act
   std::vector<Rows> rows_;               // of each group
   std::vector<ContactSolution> solutions_;
+  std::vector<std::vector<Vec2>> start_forces_;  // of contacts at the end of the step before, group by group
   std::vector<Clash> clashes_;
   std::vector<double> theta_;  // of each body
   std::vector<std::uint8_t> implicit_;

@@ -12,10 +12,19 @@ namespace {
 /// Speed of slip before it turns round in a step, over its change, that does not count.
 constexpr double little_slip = 2e-3;
 
+/// Whether a contact stuck at the end of the step before.
+bool stuck_before(const std::vector<Contact>& contacts, const ContactCandidate& t) {
+  const auto key = [](const Contact& c) { return ContactKey{c.vertex_body, c.vertex, c.edge_body, c.edge}; };
+  const auto at = std::ranges::lower_bound(contacts, key_of(t), {}, key);
+  return at != contacts.end() && key(*at) == key_of(t) && at->state == ContactState::stick;
+}
+
 }  // namespace
 
 void Trial::note_contacts() {
+  start_forces_.clear();
   for (std::size_t s = 0; s < out_.islands.size(); ++s) {
+    start_forces_.push_back(w_.warm_start(moved_, out_.islands[s]));
     for (std::size_t k = 0; k < out_.islands[s].touches.size(); ++k) note_contact(s, k);
   }
   for (std::uint32_t b = 0; b < w_.bonds.size(); ++b) {
@@ -34,7 +43,6 @@ void Trial::note_contact(std::size_t group, std::size_t contact) {
   const Vec2 old = w_.velocity_of(rows, contact, w_.state);
   const Bond* bond = w_.bond_of(t);
   const Vec2 soft = w_.compliance_of(t);
-  out_.friction -= soft.y > 0 ? 0.0 : p.y * 0.5 * (now.y + old.y);
   const ContactCandidate& at = moved_[out_.islands[group].touches[contact]];
   const double bound = w_.friction_of(at, bond) * p.x / step_ + w_.cohesion_of(t);
   ContactState how = ContactState::stick;
@@ -44,6 +52,8 @@ void Trial::note_contact(std::size_t group, std::size_t contact) {
     how = ContactState::slip;
   }
   const bool turned = old.y * now.y < 0 && std::abs(old.y) > little_slip * std::abs(old.y - now.y);
+  if (how == ContactState::slip || !stuck_before(w_.contacts, t))
+    out_.friction += friction_work(group, contact, old, now);
   out_.report.slip_turned = out_.report.slip_turned || (turned && how == ContactState::slip);
   const double feature = std::min(w_.shapes[t.i].feature, w_.shapes[t.j].feature);
   const auto place = w_.bond_at(t);
@@ -53,6 +63,19 @@ void Trial::note_contact(std::size_t group, std::size_t contact) {
   const Vec2 force = rotated(p / step_, at.tilt), passing = rotated(now, at.tilt);
   out_.contacts.push_back({t.i, t.vertex, t.j, t.edge, w_.anchor + at.point, rotated(at.normal, -at.tilt), t.gap,
                            force.x, force.y, passing.y, how, bond != nullptr});
+}
+
+/// What friction takes from slip: never less than nothing. Where slip turned round within the step, or the arms of a
+/// contact that sticks turned, forces work that is not of slip: that is the scheme's.
+double Trial::friction_work(std::size_t group, std::size_t contact, Vec2 old, Vec2 now) const {
+  const Island& island = out_.islands[group];
+  const double impulse = solutions_[group].impulse[contact].y;
+  const double soft = w_.compliance_of(list_[island.touches[contact]]).y;
+  if (soft == 0) return std::max(0.0, -impulse * 0.5 * (now.y + old.y));
+  // Of a spring only what it does not give way by is slip.
+  const double bent = soft * (impulse / step_ - start_forces_[group][contact].y);
+  const double slip = step_ * (island.theta * now.y + (1 - island.theta) * old.y) + bent;
+  return std::max(0.0, -impulse / step_ * slip);
 }
 
 void Trial::note_given_work(const Rows& rows, std::size_t contact, Vec2 p) {

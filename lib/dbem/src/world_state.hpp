@@ -61,7 +61,12 @@ struct JointState : WorldState {
   [[nodiscard]] double cohesion_of(const ContactCandidate& t) const;
   /// Coefficient on the face that the contact lies on.
   [[nodiscard]] double friction_of(const ContactCandidate& t, const Bond* bond) const;
-  /// Of the springs in the joint at a contact, normal and tangential, m2/N; 0: rigid.
+  /// What a contact carries from the step before, by its name or by those it may have had then; nothing where it was
+  /// open. `taken` by others: 1, by place in `memory`; empty: nothing is.
+  [[nodiscard]] std::optional<std::size_t> remembered(const ContactCandidate& t,
+                                                      const std::vector<std::uint8_t>& taken) const;
+  /// Of the springs in the joint at a contact, normal and tangential, m2/N; 0: rigid. What is pressed does not get
+  /// stiffer until it opens: its springs would give back more than they took.
   [[nodiscard]] Vec2 compliance_of(const ContactCandidate& t) const;
   /// Of a closed stretch of `length` that begins at a contact and runs along `along` (a unit vector): the share of it
   /// that the contact stands for.

@@ -49,6 +49,7 @@ Recorder::Recorder(const ContactScene& scene, const PreparedBodies& prepared, co
     body.size = size_of(body.outline);
     result.bodies.push_back(std::move(body));
   }
+  carriers_ = carriers_of(scene, result.bodies);
   const dbem::Energy& energy = world.energy();
   gravity_ = energy.potential;
   tally_.lowest = energy.total() - energy.work;
@@ -117,18 +118,28 @@ void Recorder::step(const dbem::StepReport& report) {
   }
 }
 
+Recorder::Places Recorder::places() const {
+  Places out;
+  for (std::size_t b = 0; b < result_.bodies.size(); ++b) {
+    out.now.push_back({result_.bodies[b].start + world_.displacement(b), world_.rotation(b)});
+  }
+  out.own = out.now;
+  for (std::uint32_t b = 0; b < out.own.size(); ++b) {
+    out.own[b].centroid -= carried_by(carriers_[b], b, out.now, result_.bodies);
+  }
+  return out;
+}
+
 void Recorder::bodies_moved(double time) {
   touching_.assign(result_.bodies.size(), 0);
   for (const dbem::Contact& contact : world_.contacts()) {
     if (contact.state != dbem::ContactState::open) touching_[contact.vertex_body] = touching_[contact.edge_body] = 1;
   }
-  std::vector<ContactPlacement> places;
+  const Places places = this->places();
   for (std::size_t b = 0; b < result_.bodies.size(); ++b) {
     ContactBodyResult& body = result_.bodies[b];
-    const ContactPlacement place{body.start + world_.displacement(b), world_.rotation(b)};
-    places.push_back(place);
     if (body.fixed || world_.asleep(b)) continue;
-    note_step(body, Time::from_si(time), place, touching_[b] != 0);
+    note_step(body, Time::from_si(time), places.own[b], touching_[b] != 0);
     if (body.elastic) {
       const std::vector<Vec2> corners = world_.outline(b);
       for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -137,12 +148,13 @@ void Recorder::bodies_moved(double time) {
     } else {
       for (const Vec2 p : body.outline) {
         const Vec2 arm = p - body.start;
-        body.largest = std::max(body.largest, norm(world_.displacement(b) + rotated(arm, place.rotation) - arm));
+        body.largest =
+            std::max(body.largest, norm(world_.displacement(b) + rotated(arm, places.now[b].rotation) - arm));
       }
     }
     result_.largest_displacement = std::max(result_.largest_displacement, body.largest);
   }
-  if (!scene_.settings.to_rest) tally_.trail.note(time, result_.bodies, places);
+  if (!scene_.settings.to_rest) tally_.trail.note(time, result_.bodies, places.own);
 }
 
 void Recorder::row(const dbem::StepReport& report) {
@@ -194,7 +206,11 @@ void Recorder::frame(double time) {
 }
 
 void Recorder::finish() {
-  for (ContactBodyResult& body : result_.bodies) body.force = {};
+  const Places places = this->places();
+  for (std::size_t b = 0; b < result_.bodies.size(); ++b) {
+    result_.bodies[b].force = {};
+    result_.bodies[b].carried = places.now[b].centroid - places.own[b].centroid;
+  }
   for (const dbem::Contact& contact : world_.contacts()) {
     result_.bodies[contact.vertex_body].force += force_of(contact);
     result_.bodies[contact.edge_body].force -= force_of(contact);
@@ -202,7 +218,9 @@ void Recorder::finish() {
   for (std::size_t b = 0; b < result_.bodies.size(); ++b) {
     ContactBodyResult& body = result_.bodies[b];
     if (body.fixed || world_.asleep(b) || scene_.settings.to_rest) continue;
-    const double speed = norm(world_.velocity(b)) + std::abs(world_.spin(b)) * body.size.si() / 2;
+    Vec2 along = world_.velocity(b);
+    if (!carriers_[b].empty()) along -= world_.velocity(carriers_[b].front());
+    const double speed = norm(along) + std::abs(world_.spin(b)) * body.size.si() / 2;
     body.goes_on = tally_.trail.goes_on(b, body.size.si(), speed, result_.end_time);
   }
   finish_bolts();

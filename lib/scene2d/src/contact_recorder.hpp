@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "carriers.hpp"
 #include "cleave/dbem/world.hpp"
 #include "cleave/scene2d/contact.hpp"
 #include "contact_bodies.hpp"
@@ -43,6 +44,11 @@ class Recorder final {
  private:
   [[nodiscard]] std::vector<bem::Vec2> displacements() const;
   void finish_bolts();
+  /// Where bodies lie, and where they would if their supports had not taken them along.
+  struct Places {
+    std::vector<ContactPlacement> now, own;
+  };
+  [[nodiscard]] Places places() const;
   /// What a step made of the bodies.
   void bodies_moved(double time);
   /// At the corners of an elastic body.
@@ -53,8 +59,9 @@ class Recorder final {
   const dbem::World& world_;
   ContactResult& result_;
   std::vector<bem::Vec2> local_;
-  std::vector<double> capacities_;      // of each tie, N/m
-  std::vector<std::uint8_t> touching_;  // bodies, after the last step
+  std::vector<std::vector<std::uint32_t>> carriers_;  // of each body, see carriers_of
+  std::vector<double> capacities_;                    // of each tie, N/m
+  std::vector<std::uint8_t> touching_;                // bodies, after the last step
   ContactTally tally_;
   double gravity_ = 0, angular_ = 0;
   bem::Vec2 momentum_, weight_;

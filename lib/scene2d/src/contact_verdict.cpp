@@ -27,7 +27,8 @@ BodyMotion motion_of(const ContactBodyResult& body) {
   if (body.turned > topples_from * std::numbers::pi / 180) return BodyMotion::topples;
   if (!body.touched) return BodyMotion::falls;
   // One that turns about its toe goes along by as much as its turn moves its corners, or less.
-  const bool turns = std::abs(body.rotation) * body.size.si() / 2 > turning_share * norm(body.centroid - body.start);
+  const bool turns =
+      std::abs(body.rotation) * body.size.si() / 2 > turning_share * norm(body.centroid - body.carried - body.start);
   return turns ? BodyMotion::topples : BodyMotion::slides;
 }
 
@@ -88,7 +89,7 @@ ContactVerdict verdict_of(const ContactResult& result) {
     }
     const BodyMotion motion = motion_of(body);
     ++verdict.bodies[static_cast<std::size_t>(motion)];
-    const double far = moved_by(body, {body.centroid, body.rotation}) / body.size.si();
+    const double far = moved_by(body, {body.centroid - body.carried, body.rotation}) / body.size.si();
     const bool first = !verdict.since || *body.moved_at < *verdict.since;
     if (first || (*body.moved_at == *verdict.since && far > farthest)) {
       verdict.since = body.moved_at;

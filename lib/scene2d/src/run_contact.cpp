@@ -175,17 +175,58 @@ std::optional<Problem> begin(Running& run, const std::optional<SavedRun>& from) 
   return too_far(*from, run.scene.shown, "contact.duration", duration, run.world.time());
 }
 
+/// Share of the energy of a swing that steps take in each of its periods. The force of a spring is that at the end of
+/// the step, so that the mean rule leaves 1 / (1 + (w h)^2 / 2) of it in a step.
+double taken_in_a_period(double period, double step) {
+  const double turned = 2 * std::numbers::pi * step / period;
+  return -std::expm1(-period / step * std::log1p(0.5 * turned * turned));
+}
+/// Of a joint that is pressed: while it closes the implicit rule counts, which leaves 1 / (1 + (w h)^2).
+double taken_on_a_joint(double period, double step) {
+  const double turned = 2 * std::numbers::pi * step / period, square = turned * turned;
+  return -std::expm1(-0.5 * period / step * (std::log1p(0.5 * square) + std::log1p(square)));
+}
+
+/// Joints with stiffness: what shaking does to a body on its springs is too small by what the steps take.
+void note_of_springs(const ContactScene& scene, const dbem::World& world, ContactResult& result) {
+  constexpr double worth_saying = 0.01, steps_for_that = 3000;
+  const auto swings = scene.settings.to_rest ? std::nullopt : world.spring_swings();
+  if (!swings) return;
+  const double step = std::max(scene.settings.step, scene.settings.max_step);
+  const double shortest = swings->shortest.si(), longest = swings->longest.si();
+  const double fast = taken_on_a_joint(shortest, step), slow = taken_on_a_joint(longest, step);
+  if (fast <= worth_saying) return;
+  result.notes.push_back(fmt::format(
+      "bodies swing on joints with stiffness with periods of {:.2g} to {:.2g} s, and steps of {:.2g} s take {:.2g} to "
+      "{:.2g} % of the energy of such a swing in each period: shaking near these periods moves them too little, and "
+      "what it would lift may stand; with step = {:.1g} it is some 1 % of the slowest",
+      shortest, longest, step, 100 * slow, 100 * fast, longest / steps_for_that));
+}
+
+/// What a run made of nothing.
+void note_of_energy(ContactResult& result) {
+  constexpr double worth_saying = 1e-3;
+  double most = 0;
+  for (const ContactHistory& row : result.history) most = std::max(most, row.kinetic + row.elastic);
+  if (!(result.energy_gain > worth_saying * most)) return;
+  result.notes.push_back(fmt::format(
+      "the contacts brought in {:.2g} J/m that nothing had put in ({:.2g} % of the most that moved or was stored): do "
+      "not rely on the verdict; use a shorter step",
+      result.energy_gain, 100 * result.energy_gain / most));
+}
+
 /// Steps that do not follow what swings on a bolt take away from what a sudden load does to it.
 void note_of_swing(const ContactScene& scene, const dbem::World& world, ContactResult& result) {
-  constexpr double steps_a_swing = 50;
+  constexpr double steps_a_swing = 250;  // 1 % of the largest force
   const std::optional<BoltSwing> swing = scene.settings.to_rest ? std::nullopt : fastest_swing(scene, world);
   const double step = std::max(scene.settings.step, scene.settings.max_step);
   if (!swing || step * steps_a_swing <= swing->period) return;
   result.notes.push_back(fmt::format(
       "what bolt \"{}\" holds swings on it with a period of {:.2g} s: steps of {:.2g} s damp that, and a load "
-      "that comes at once pulls with up to twice what it does at rest; use step = {:.1g} to see whether it "
-      "breaks",
-      swing->bolt, swing->period, step, swing->period / 100));
+      "that comes at once pulls with up to twice what it does at rest: {:.2g} % less here; use step = {:.1g} to see "
+      "whether it breaks",
+      swing->bolt, swing->period, step, 50 * (1 - std::sqrt(std::sqrt(1 - taken_in_a_period(swing->period, step)))),
+      swing->period / 500));
 }
 
 /// What the end of a run shows that its verdict does not say.
@@ -250,6 +291,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
     }
     result.operators = prepared->operators;
     note_of_swing(scene, *world, result);
+    note_of_springs(scene, *world, result);
     Recorder recorder{scene, *prepared, *world, result};
     Running running{.scene = scene,
                     .world = *world,
@@ -266,6 +308,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
     }
     recorder.finish();
     note_the_end(result);
+    note_of_energy(result);
     const auto with = [&](double longer) -> std::optional<dbem::World> {
       dbem::WorldOptions long_steps = options;
       for (double* bound : {&long_steps.step, &long_steps.displacement, &long_steps.rotation}) *bound *= longer;

@@ -221,6 +221,13 @@ class World final {
   /// other options may differ. It is as it was when there is an error.
   [[nodiscard]] std::expected<void, SavedFault> restore(std::string_view saved);
 
+  /// How a body would swing on the springs of the joints that it touches now, if its neighbours stayed.
+  struct SpringSwings {
+    Time shortest{}, longest{};  ///< periods, of all bodies to all sides
+  };
+  /// Nothing: no body lies on a joint with stiffness.
+  [[nodiscard]] std::optional<SpringSwings> spring_swings() const;
+
   struct Impl;
 
  private:

@@ -268,13 +268,14 @@ struct ContactBodyResult {
   bool fixed = false, elastic = false;
   std::size_t freedoms = 0;
   bem::Vec2 start, centroid;       ///< at the start and at the end
+  bem::Vec2 carried;               ///< how far its supports took it along, by the end
   double rotation = 0;             ///< radians, turns counted
   double largest = 0;              ///< m, displacement of its corners, in any step
   std::vector<bem::Vec2> outline;  ///< at the start, as drawn
   bem::Vec2 force;                 ///< N/m: sum of the contact forces on it at the end
   // Of all steps, whatever is drawn of them; see `note_step`.
   Length size{};                 ///< between the two corners farthest apart
-  std::optional<Time> moved_at;  ///< end of the first step that left it farther from its start than 1 % of that
+  std::optional<Time> moved_at;  ///< end of the first step that left it farther from where it lay than 1 % of that
   bool touched = false;          ///< something, at the end of that step
   double turned = 0;             ///< the most of its rotation, to either side
   /// At the end of a run in time: how fast it still goes on, see docs/contact.md (m/s). Empty: it does not.
@@ -307,11 +308,12 @@ struct ContactResult : Scene2dResult {
 
 /// Between the two corners farthest apart.
 [[nodiscard]] Length size_of(const std::vector<bem::Vec2>& outline);
-/// Takes a step into what is known of a body's motion: where it lies after it, and whether it touches anything then.
+/// Takes a step into what is known of a body's motion: where it lies after it, less what its supports took it along,
+/// and whether it touches anything then.
 void note_step(ContactBodyResult& body, Time time, const ContactPlacement& place, bool touches);
 
 /// What became of the bodies. One has moved that lay farther from its place at the start than `moves_from` of its size
-/// after some step, its turn counted at half its size.
+/// after some step, its turn counted at half its size. That place goes along with a support that moves.
 enum class BodyMotion : std::uint8_t {
   slides,
   topples,  ///< turned by more than 5 degrees, or its way is mostly one of turning
