@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
+#include "carriers.hpp"
 #include "cleave/dbem/world.hpp"
 #include "cleave/scene2d/contact.hpp"
-#include "carriers.hpp"
 #include "contact_bodies.hpp"
 #include "motion_trail.hpp"
 
@@ -60,8 +60,8 @@ class Recorder final {
   ContactResult& result_;
   std::vector<bem::Vec2> local_;
   std::vector<std::vector<std::uint32_t>> carriers_;  // of each body, see carriers_of
-  std::vector<double> capacities_;      // of each tie, N/m
-  std::vector<std::uint8_t> touching_;  // bodies, after the last step
+  std::vector<double> capacities_;                    // of each tie, N/m
+  std::vector<std::uint8_t> touching_;                // bodies, after the last step
   ContactTally tally_;
   double gravity_ = 0, angular_ = 0;
   bem::Vec2 momentum_, weight_;
