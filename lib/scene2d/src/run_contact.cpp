@@ -204,11 +204,16 @@ void note_of_springs(const ContactScene& scene, const dbem::World& world, Contac
 }
 
 /// What a run made of nothing.
-void note_of_energy(ContactResult& result) {
-  constexpr double worth_saying = 1e-3;
-  double most = 0;
+void note_of_energy(const ContactScene& scene, const dbem::World& world, ContactResult& result) {
+  constexpr double worth_saying = 1e-3, rounding = 1e-9;
+  double most = 0, weight_by_size = 0;
+  for (std::size_t b = 0; b < result.bodies.size(); ++b) {
+    if (!result.bodies[b].fixed) weight_by_size += world.mass(b) * result.bodies[b].size.si();
+  }
+  weight_by_size *= norm(scene.settings.gravity);
   for (const ContactHistory& row : result.history) most = std::max(most, row.kinetic + row.elastic);
-  if (!(result.energy_gain > worth_saying * most)) return;
+  // Where all is at rest, gaps of rounding size come and go.
+  if (!(result.energy_gain > worth_saying * most + rounding * weight_by_size)) return;
   result.notes.push_back(fmt::format(
       "the contacts brought in {:.2g} J/m that nothing had put in ({:.2g} % of the most that moved or was stored): do "
       "not rely on the verdict; use a shorter step",
@@ -308,7 +313,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
     }
     recorder.finish();
     note_the_end(result);
-    note_of_energy(result);
+    note_of_energy(scene, *world, result);
     const auto with = [&](double longer) -> std::optional<dbem::World> {
       dbem::WorldOptions long_steps = options;
       for (double* bound : {&long_steps.step, &long_steps.displacement, &long_steps.rotation}) *bound *= longer;
