@@ -701,7 +701,6 @@ TEST(ContactScene, SpringsThatChangeTheirEdgeMakeNoEnergy) {
   }
 }
 
-// Bricks that turn about one another while friction holds them: no slip, and none that gives anything back.
 // A block of 2 m on springs under its weight, let go: what a swing loses in a period is what the note says.
 TEST(ContactScene, StepsThatDampSpringsAreSaid) {
   const double period = 2 * std::numbers::pi * std::sqrt(2000.0 / 1e7);
@@ -730,6 +729,7 @@ TEST(ContactScene, StepsThatDampSpringsAreSaid) {
   EXPECT_EQ(note_of(let_go(period / 3200, false)), "");
 }
 
+// Bricks that turn about one another while friction holds them: no slip, and none that gives anything back.
 TEST(ContactScene, FrictionTakesAndNeverGives) {
   std::string bricks;
   for (int course = 0; course < 4; ++course) {
