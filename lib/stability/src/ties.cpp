@@ -69,8 +69,8 @@ void Ties::add_seams(const Shotcrete& layer, const std::function<bool(BlockId)>&
       if (!sprayed(complex_->faces()[edge.open])) continue;
       const Vec3 outward = complex_->faces()[edge.open].outward;
       for (const EdgePart& part : parts_along(*complex_, edge)) {
-        const auto [from, to] = std::minmax(edge.from.value(), edge.to.value());
-        const auto [one, other] = std::minmax(id.value(), part.beyond.value());
+        const auto [from, to] = std::minmax({edge.from.value(), edge.to.value()});
+        const auto [one, other] = std::minmax({id.value(), part.beyond.value()});
         const auto [twin, fresh] = at_edge.try_emplace({from, to, one, other}, seams_.size());
         Seam seam{id, part.beyond, part.middle, outward, per_metre * part.length};
         if (!fresh) {
