@@ -218,9 +218,12 @@ void Recorder::finish() {
   for (std::size_t b = 0; b < result_.bodies.size(); ++b) {
     ContactBodyResult& body = result_.bodies[b];
     if (body.fixed || world_.asleep(b) || scene_.settings.to_rest) continue;
-    Vec2 along = world_.velocity(b);
-    if (!carriers_[b].empty()) along -= world_.velocity(carriers_[b].front());
-    const double speed = norm(along) + std::abs(world_.spin(b)) * body.size.si() / 2;
+    // Against the support that it moves past the fastest.
+    double along = carriers_[b].empty() ? norm(world_.velocity(b)) : 0;
+    for (const std::uint32_t support : carriers_[b]) {
+      along = std::max(along, norm(world_.velocity(b) - world_.velocity(support)));
+    }
+    const double speed = along + std::abs(world_.spin(b)) * body.size.si() / 2;
     body.goes_on = tally_.trail.goes_on(b, body.size.si(), speed, result_.end_time);
   }
   finish_bolts();

@@ -214,10 +214,11 @@ void note_of_energy(const ContactScene& scene, const dbem::World& world, Contact
   for (const ContactHistory& row : result.history) most = std::max(most, row.kinetic + row.elastic);
   // Where all is at rest, gaps of rounding size come and go.
   if (!(result.energy_gain > worth_saying * most + rounding * weight_by_size)) return;
-  result.notes.push_back(fmt::format(
-      "the contacts brought in {:.2g} J/m that nothing had put in ({:.2g} % of the most that moved or was stored): do "
-      "not rely on the verdict; use a shorter step",
-      result.energy_gain, 100 * result.energy_gain / most));
+  result.notes.push_back(
+      fmt::format("the contacts brought in {:.2g} J/m that nothing had put in, where {:.2g} J/m at the most moved or "
+                  "was stored: do "
+                  "not rely on the verdict; use a shorter step",
+                  result.energy_gain, most));
 }
 
 /// Steps that do not follow what swings on a bolt take away from what a sudden load does to it.
