@@ -23,21 +23,6 @@ enum class Detail : std::uint8_t {
 [[nodiscard]] stability::Settings settings_on(const topology::BlockComplex& complex, const Scene& scene,
                                               const SampledScene& drawn, const LoadSet& loads);
 
-/// Asked of blocks under a load case, of the base case without one: its own target, else that of the scene, else of its
-/// support; empty where it has none.
-[[nodiscard]] std::optional<Targets> targets_under(const Scene& scene, const LoadCase* load);
-/// What sides of the domain that are not free hold. `groups`: of blocks judged together, where they decide, else null.
-[[nodiscard]] stability::DomainHeld held_by_border(const topology::AuditedComplex& complex,
-                                                   const stability::Settings& settings,
-                                                   const stability::Analysis& analysis,
-                                                   const std::optional<stability::KeyGroups>* groups);
-/// What reaches a target for sliding only by these (`border`) or a slight taper. `with`: strengths over the target;
-/// `analysis`: at strengths as they are.
-[[nodiscard]] HeldAtTarget held_at_target(const topology::AuditedComplex& complex, const stability::Settings& with,
-                                          const stability::Analysis& analysis,
-                                          const std::optional<stability::KeyGroups>* groups,
-                                          const stability::DomainHeld& border, double target);
-
 /// The stages of [sequence], which the scene has.
 [[nodiscard]] SequenceResult judge_stages(const Scene& scene, const topology::SequentialCut& cut,
                                           const topology::StageBlocks& final_state, const Judge& judge);

@@ -15,7 +15,7 @@
 #include "cleave/realize/run.hpp"
 #include "cleave/stochastic/ordered.hpp"
 #include "group_notes.hpp"
-#include "judge.hpp"
+#include "held_notes.hpp"
 
 namespace cleave::scene {
 
