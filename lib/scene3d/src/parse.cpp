@@ -242,7 +242,7 @@ Counted counted_in(const std::optional<StabilitySettings>& stability, const Outp
   return {.judged = stability.has_value(),
           .only_key_blocks = output.only_key_blocks,
           .opened = !excavations.empty(),
-          .has_own_opening = std::ranges::any_of(excavations, &Excavation::own_shape),
+          .has_own_opening = has_own_opening(excavations),
           .supported = support.has_value(),
           .in_stages = in_stages,
           .in_groups = stability && stability->decides_by_groups(),

@@ -126,6 +126,10 @@ struct Excavation {
   std::string_view wall = "face";
   [[nodiscard]] bool own_shape() const noexcept { return wall == "face"; }
 };
+/// Whether one lies in the rock: is no cut from above.
+[[nodiscard]] inline bool has_own_opening(const std::vector<Excavation>& excavations) {
+  return std::ranges::any_of(excavations, &Excavation::own_shape);
+}
 
 struct Rock {
   stability::RockMass mass = stability::RockMass::usual();
