@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <string_view>
 
@@ -366,6 +368,73 @@ TEST(SupportScene, BoltsThroughAnEdgeAreAsThoseBesideIt) {
     EXPECT_NEAR(bolt.capacity, 160e3, 1);
   }
   EXPECT_EQ(run.support->blocks.at(0).bolts, 5U);
+}
+
+/// A tunnel from y = 0 to 24, a block of 2 x 2 x 1.5 m in its roof at the portal, and a ring of bolts there; turned
+/// round the portal is at y = 24.
+std::string at_a_portal(bool turned, std::string_view free) {
+  const auto at = [&](double y) { return turned ? 24 - y : y; };
+  std::string text = "[domain]\nbox = { min = [0, 0, 0], max = [24, 24, 24] }\n";
+  for (const auto& [x0, y0, x1, y1] :
+       {std::array{11.0, -1.0, 11.0, 2.0}, {13.0, -1.0, 13.0, 2.0}, {11.0, 2.0, 13.0, 2.0}}) {
+    text += fmt::format("[[joint]]\npolygon = [[{0}, {1}, 12], [{2}, {3}, 12], [{2}, {3}, 15.5], [{0}, {1}, 15.5]]\n",
+                        x0, at(y0), x1, at(y1));
+  }
+  text += fmt::format("[[joint]]\npolygon = [[11, {0}, 15.5], [13, {0}, 15.5], [13, {1}, 15.5], [11, {1}, 15.5]]\n",
+                      at(-1), at(2));
+  return text + fmt::format(
+                    "[rock]\ndensity = 2500\n[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\n"
+                    "section = {{ shape = \"rectangle\", width = 6, height = 4 }}\n"
+                    "axis = [[12, {}, 12], [12, {}, 12]]\n[stability]\nfree = [{}]\ngroups = \"off\"\n"
+                    "[support]\n[[support.bolts]]\ntunnel = \"t\"\nspacing = [30, 0.9]\noffset = [0, 0]\n"
+                    "length = 4\ntendon_capacity = 150e3\nplate_capacity = 100e3\nbond_strength = 200e3\n"
+                    "anchorage = 0.4\n",
+                    at(0), at(24), free);
+}
+
+// A ring in the face of the portal is half in the air: it holds nothing, on whichever side the portal is. Where rock
+// goes on beyond the side, the same bolts go through the block for 1.5 m, and are in the rock on both sides.
+TEST(SupportScene, BoltsInAFreeFaceHoldNothing) {
+  for (const bool turned : {false, true}) {
+    const RunResult portal = run_of(at_a_portal(turned, turned ? "\"north\"" : "\"south\""));
+    ASSERT_GE(portal.support->bolts.size(), 10U);
+    for (const stability::BoltResult& bolt : portal.support->bolts) {
+      EXPECT_EQ(bolt.status, stability::BoltStatus::off) << turned;
+    }
+    EXPECT_EQ(portal.figures.support->not_held, 1U) << turned;
+    EXPECT_FALSE(portal.figures.support->passes()) << turned;
+    const RunResult deep = run_of(at_a_portal(turned, ""));
+    std::size_t through = 0;
+    for (const stability::BoltResult& bolt : deep.support->bolts) {
+      EXPECT_NE(bolt.status, stability::BoltStatus::off) << turned << ' ' << bolt.bolt.collar.x;
+      if (bolt.bolt.direction.z < 0.9 || std::abs(bolt.bolt.collar.x - 12) >= 1) continue;
+      ASSERT_EQ(bolt.pierced.size(), 2U) << turned;
+      EXPECT_NEAR(bolt.pierced[0].to, 1.5, 1e-4) << turned;
+      ++through;
+    }
+    EXPECT_GE(through, 2U) << turned;
+  }
+}
+
+// Bolts at the corners of a section, where two walls meet, stand on rock whichever way the tunnel runs.
+TEST(SupportScene, BoltsAtCornersOfASectionAreInTheRock) {
+  for (const double turn : {0.0, 7.0, 31.0, 63.0, 80.0}) {
+    const double c = 5 * std::cos(turn * std::numbers::pi / 180), s = 5 * std::sin(turn * std::numbers::pi / 180);
+    const RunResult run = run_of(fmt::format(
+        "[domain]\nbox = {{ min = [0, 0, 0], max = [24, 24, 24] }}\n[rock]\ndensity = 2700\n"
+        "[joints.default]\nfriction = 30\n[[joint]]\nplane = {{ through = [12, 12, 20], dip = 10, dip_direction = 40 "
+        "}}\n"
+        "[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\n"
+        "section = {{ shape = \"trapezoid\", width = 7, height = 5, top_width = 5 }}\n"
+        "axis = [[{}, {}, 11.7], [{}, {}, 12.1]]\n[stability]\ngroups = \"off\"\n[support]\n[[support.bolts]]\n"
+        "tunnel = \"t\"\nspacing = [1.5, 1.2]\nlength = 3\ntendon_capacity = 150e3\nplate_capacity = 50e3\n"
+        "bond_strength = 90e3\nanchorage = 0.4\n",
+        12 - c, 12.3 - s, 12 + c, 12.3 + s));
+    for (const stability::BoltResult& bolt : run.support->bolts) {
+      EXPECT_NE(bolt.status, stability::BoltStatus::off)
+          << turn << ' ' << bolt.bolt.collar.x << ' ' << bolt.bolt.collar.z;
+    }
+  }
 }
 
 // A wedge of 51.0 m3 on two planes under the top (29.2 m2) comes out of the east (39.3 m2). A pressure there alone, p

@@ -67,8 +67,8 @@ void add_off_note(const stability::SupportResult& support, std::vector<std::stri
       std::ranges::count_if(support.bolts, [](const auto& b) { return b.status == stability::BoltStatus::off; });
   if (off == 0) return;
   notes.push_back(fmt::format(
-      "{} of {} bolts {} off the rock: they point away from it, their heads stand where nothing is left or at the very "
-      "end of the domain, or the axis of their tunnel goes on outside it; they hold nothing; see bolts.csv",
+      "{} of {} bolts {} off the rock: they point away from it, run in a free face of it, their heads stand where "
+      "nothing is left, or the axis of their tunnel goes on outside the domain; they hold nothing; see bolts.csv",
       off, support.bolts.size(), off == 1 ? "is" : "are"));
 }
 

@@ -30,9 +30,46 @@ BoltPaths::BoltPaths(const topology::BlockComplex& complex) : complex_{&complex}
   }
 }
 
+namespace {
+
+/// From a point of its plane to the edges of a face.
+double off_edges(const topology::BlockComplex& complex, const Face& face, Vec3 x) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& loop : complex.loops(face)) {
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const Vec3 a = complex.position(loop[i]), along = complex.position(loop[(i + 1) % loop.size()]) - a;
+      const double square = dot(along, along);
+      const double share = square > 0 ? std::clamp(dot(x - a, along) / square, 0.0, 1.0) : 0.0;
+      least = std::min(least, norm(x - a - share * along));
+    }
+  }
+  return least;
+}
+
+/// Whether a bolt runs in a free face of a block that it goes through: half of it is in the air.
+bool runs_in_free_face(const topology::BlockComplex& complex, const Bolt& bolt, const BoltPath& path) {
+  constexpr double next_to = 1e-6;  // m
+  for (const Pierced& p : path.pierced) {
+    for (const FaceId id : complex.blocks()[p.block].faces) {
+      const Face& face = complex.faces()[id];
+      if (face.role != topology::Role::free || std::abs(dot(face.outward, bolt.direction)) > 1e-9) continue;
+      const double off = dot(bolt.collar - face.centroid, face.outward);
+      if (std::abs(off) > next_to) continue;
+      for (const double share : {0.1, 0.3, 0.5, 0.7, 0.9}) {
+        const Vec3 x = bolt.collar + std::lerp(p.from, p.to, share) * bolt.direction;
+        if (contains(complex, face, x - off * face.outward)) return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
 std::optional<FaceId> BoltPaths::collar_face(const Bolt& bolt) const {
   std::optional<FaceId> best;
   double least = reach;
+  constexpr double on_edge = 1e-6;  // m
   const Vec3 x = bolt.collar;
   for (const FreeFace& candidate : free_) {
     if (!candidate.box.overlaps({x, x})) continue;
@@ -40,7 +77,9 @@ std::optional<FaceId> BoltPaths::collar_face(const Bolt& bolt) const {
     if (!(dot(face.outward, bolt.direction) < -1e-9)) continue;  // the bolt must enter the rock
     const double off = dot(x - face.centroid, face.outward);
     if (std::abs(off) > least || (best && std::abs(off) == least)) continue;
-    if (!contains(*complex_, face, x - off * face.outward)) continue;
+    const Vec3 on_face = x - off * face.outward;
+    // A collar on an edge, as those at the corners of a section, is of the face by rounding or not.
+    if (!contains(*complex_, face, on_face) && off_edges(*complex_, face, on_face) > on_edge) continue;
     best = candidate.face;
     least = std::abs(off);
   }
@@ -63,20 +102,6 @@ std::optional<BlockId> BoltPaths::behind(const Face& face, Vec3 x) const {
 }
 
 namespace {
-
-/// From a point of its plane to the edges of a face.
-double off_edges(const topology::BlockComplex& complex, const Face& face, Vec3 x) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& loop : complex.loops(face)) {
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const Vec3 a = complex.position(loop[i]), along = complex.position(loop[(i + 1) % loop.size()]) - a;
-      const double square = dot(along, along);
-      const double share = square > 0 ? std::clamp(dot(x - a, along) / square, 0.0, 1.0) : 0.0;
-      least = std::min(least, norm(x - a - share * along));
-    }
-  }
-  return least;
-}
 
 /// Two directions at right angles to a bolt, of no plane that a scene would have.
 std::array<Vec3, 2> across(Vec3 direction) {
@@ -117,6 +142,7 @@ BoltPath BoltPaths::path(const Bolt& bolt) const {
     BoltPath other = along(moved, *start, clear);
     if (clear) path = without_clipped(std::move(other), 8 * beside);
   }
+  if (runs_in_free_face(*complex_, bolt, path)) return {};
   return path;
 }
 
@@ -143,6 +169,7 @@ BoltPath BoltPaths::along(const Bolt& bolt, FaceId start, bool& clear) const {
       exit = at;
       through = face;
     }
+    if (!through) clear = false;  // beside the block: a line in it comes out somewhere
     if (!through || exit >= bolt.length.si() || through->role == topology::Role::fixed) {
       // Rock beyond a fixed side goes on and never moves.
       pierced.push_back({block, t, bolt.length.si()});
