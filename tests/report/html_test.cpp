@@ -133,6 +133,56 @@ TEST(Html, FirstFiguresSpeakOfGroupsOfTheBorderAndOfNotes) {
   EXPECT_TRUE(cards_of(report_html(e.page())).contains("<strong>not judged</strong>"));
 }
 
+// Nothing moves by weight alone, and blocks do under water: the first screen says so, and whose figures it shows.
+TEST(Html, FirstFiguresSpeakOfTheCaseUnderWhichMostMoves) {
+  Example e;
+  EXPECT_FALSE(cards_of(report_html(e.page())).contains("base case"));
+  scene::Figures& figures = e.result.figures;
+  figures.load_cases = {{.name = "water & ice", .figures = {.count = 9, .volume_m3 = 11.2}}};
+  figures.load_cases.front().groups = scene::KeyGroupFigures{.judged = true, .count = 1, .in_doubt = 2};
+  figures.groups = scene::KeyGroupFigures{.judged = true};
+  figures.governing_case = "base";
+  std::string cards = cards_of(report_html(e.page()));
+  EXPECT_TRUE(cards.contains("Key blocks, base case</span>")) << cards;
+  EXPECT_TRUE(cards.contains("Key groups, base case</span>")) << cards;
+  EXPECT_FALSE(cards.contains("under")) << cards;
+  figures.governing_case = "water & ice";
+  cards = cards_of(report_html(e.page()));
+  EXPECT_TRUE(cards.contains("Key blocks under water &amp; ice</span><strong><a href=\"#load-cases\">9</a></strong>"))
+      << cards;
+  EXPECT_TRUE(cards.contains("11.2 m³; 1 key group, 2 in doubt")) << cards;
+}
+
+// What acts under each case is an input like any other: an engineer who signs the page must find its figures.
+TEST(Html, LoadsOfEachCaseStandWithTheirFigures) {
+  using stability::Actions;
+  Example e;
+  e.result.stability = scene::StabilitySettings{};
+  scene::StabilitySettings& settings = *e.result.stability;
+  settings.target = scene::Targets{.falling = 1.5, .sliding = 1.25};
+  settings.loads.actions =
+      Actions::make({.joint_pressure = {std::nullopt, 50e3}, .surcharges = {{.pressure = kilopascals(20)}}}).value();
+  scene::LoadCase& water = settings.cases.emplace_back(scene::LoadCase{.name = "flood", .loads = {}});
+  water.loads.actions = Actions::make({.water = stability::WaterTable{.level = 15, .on_free_faces = true}}).value();
+  scene::LoadCase& quake = settings.cases.emplace_back(scene::LoadCase{.name = "quake", .loads = {}});
+  quake.loads.body = stability::Loads::make({0, 0, -9.81}, {0.15, 0, 0}).value();
+  quake.loads.actions = Actions::make({.points = {{.at = {1, 2, 3}, .force = {0, 0, -4000}}},
+                                       .lines = {{.from = {0, 0, 1}, .to = {1, 0, 1}, .per_metre = {0, 0, -7000}}}})
+                            .value();
+  quake.target = scene::Targets{.falling = 1.2, .sliding = 1.1};
+  const std::string html = report_html(e.page());
+  for (const char* const text :
+       {"water of 50 kPa in joints of B, on free faces 20 kPa against the rock; required factors of safety 1.5 "
+        "(falling), "
+        "1.25 (sliding)",
+        "Load case flood", "water table at 15 m, standing on free faces too; required factors of safety 1.5 (falling)",
+        "Load case quake",
+        "seismic force / weight (0.15, 0, 0), force (0, 0, -4) kN at (1, 2, 3), force (0, 0, -7) "
+        "kN/m from (0, 0, 1) to (1, 0, 1); required factors of safety 1.2 (falling), 1.1 (sliding)"}) {
+    EXPECT_TRUE(html.contains(text)) << text;
+  }
+}
+
 // The largest net force first, then those that stay, by their factor; what is smaller than a litre waits behind a mark.
 TEST(Html, KeyBlocksStandBySeverity) {
   Example e;

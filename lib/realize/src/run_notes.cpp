@@ -53,11 +53,12 @@ std::vector<std::string> notes_of_input(const Scene& scene, const Realization& m
 
 /// Blocks that translation leaves in place, but no statics does.
 void add_rotation_note(const stability::Analysis& analysis, std::vector<std::string>& notes) {
-  std::size_t turning = 0;
+  std::size_t turning = 0, from_rest = 0;
   std::string first;
   for (const stability::Judgement& j : analysis.judgements) {
     if (!j.rotation || !j.rotation->turns) continue;
     ++turning;
+    from_rest += j.rotation->from_rest ? 1U : 0U;
     if (turning <= 10) first += (first.empty() ? "" : ", ") + std::to_string(j.block.value());
   }
   if (turning == 0) return;
@@ -68,6 +69,12 @@ void add_rotation_note(const stability::Analysis& analysis, std::vector<std::str
                                   ? "; counted as key blocks, with factors and net forces that are those of "
                                     "translation: above 1, and below 0"
                                   : "; counted as key blocks only with rotation = \"decide\""));
+  if (from_rest > 0) {
+    notes.back() += fmt::format(
+        "; {} of them {} from rest by a search, though forces exist that would hold {}: a search may miss such a "
+        "motion",
+        from_rest, from_rest == 1 ? "turns" : "turn", from_rest == 1 ? "it" : "them");
+  }
 }
 
 /// Blocks that only what lies inside them keeps in place: never left unsaid, for they are not in the batches.

@@ -16,6 +16,7 @@
 #include "drawings.hpp"
 #include "flow.hpp"
 #include "html_key_blocks.hpp"
+#include "html_loads.hpp"
 #include "html_parts.hpp"
 #include "html_stability.hpp"
 #include "html_table.hpp"
@@ -44,12 +45,13 @@ std::string cards_beyond_single_blocks(const Page& page) {
   std::string out;
   if (page.figures().groups) {
     const scene::KeyGroupFigures& groups = *page.figures().groups;
+    const std::string_view name = page.figures().load_cases.empty() ? "Key groups" : "Key groups, base case";
     const std::uint64_t shown = groups.count + groups.in_doubt;
     const std::string link = shown > 0 ? "<a href=\"#groups\">" : "", end = shown > 0 ? "</a>" : "";
     if (!groups.judged) {
-      out += key_figure("Key groups", "not judged", "too many blocks near free faces to be judged together", "warn");
+      out += key_figure(name, "not judged", "too many blocks near free faces to be judged together", "warn");
     } else {
-      out += key_figure("Key groups", link + display_count(groups.count) + end,
+      out += key_figure(name, link + display_count(groups.count) + end,
                         display(groups.volume_m3) + " m³ that move, together or alone; " +
                             display_count(groups.in_doubt) + " in doubt",
                         shown > 0 ? "warn" : "");
@@ -76,13 +78,13 @@ std::string cards(const Page& page) {
   }
   if (s.key_blocks) {
     const auto& k = *s.key_blocks;
-    out += key_figure("Key blocks", display_count(k.count),
+    out += key_figure(s.load_cases.empty() ? "Key blocks" : "Key blocks, base case", display_count(k.count),
                       display(k.volume_m3) + " m³ in " + std::to_string(k.batches.size()) +
                           (k.batches.size() == 1 ? " batch" : " batches") +
                           (k.stopped_at_max_batches ? ", stopped there" : ""),
                       k.count > 0 ? "warn" : "");
   }
-  out += cards_beyond_single_blocks(page);
+  out += cards_beyond_single_blocks(page) + governing_card(s);
   out += detail::notes_figure(page.result.notes.size());
   out += key_figure("Joints", display_count(s.input.joints),
                     "moved by at most " + display(s.input.largest_snap_m, 2) + " m onto the lattice");
@@ -250,29 +252,6 @@ std::string blocks_section(const Page& page) {
          "in blocks smaller than V.</figcaption></figure></div></section>\n";
 }
 
-std::string loads_of(const scene::RunResult& result) {
-  const scene::StabilitySettings& s = *result.stability;
-  const stability::Loads& body = s.loads.body;
-  const stability::ActionSpec& actions = s.loads.actions.spec();
-  const auto vector = [](geometry::Vec3 v) {
-    return "(" + display(v.x) + ", " + display(v.y) + ", " + display(v.z) + ")";
-  };
-  std::string out =
-      "rock of " + display(result.rock.mass.density().si()) + " kg/m³, gravity " + vector(body.gravity()) + " m/s²";
-  if (norm(body.seismic()) > 0) out += ", seismic force / weight " + vector(body.seismic());
-  if (actions.water) out += ", water table at " + display(actions.water->level) + " m";
-  if (!actions.joint_pressure.empty()) out += ", water pressure by joint set";
-  if (s.loads.flow) out += ", water pressures of the flow in the joints";
-  const auto count = [&](std::size_t n, std::string_view what) {
-    if (n > 0) out += ", " + std::to_string(n) + " " + std::string{what} + (n == 1 ? "" : "s");
-  };
-  count(actions.surcharges.size(), "surcharge");
-  count(actions.points.size(), "point force");
-  count(actions.lines.size(), "line force");
-  count(s.cases.size(), "more load case");
-  return out;
-}
-
 /// What the figures rest on and leave out.
 std::string limits_of(const scene::RunResult& r) {
   std::vector<std::string_view> limits{
@@ -309,7 +288,7 @@ std::string inputs_section(const Page& page) {
                                          : ")");
   }
   if (!excavations.empty()) out += row("Excavations", excavations);
-  if (r.stability) out += row("Loads", escape_xml(loads_of(r)));
+  out += load_rows(r);
   out += facts({{"lattice_pitch_m", {}, 3},
                 {"largest_snap_m", "Largest shift onto the lattice", 3},
                 {"merged_planes", "Planes merged by snap"}},

@@ -177,7 +177,7 @@ std::string support_section(const Page& page) {
     out += " " + display_count(f.key_blocks_behind) +
            " more key blocks lie behind: they leave only after others have left, and stay where those are held.";
   }
-  if (page.result.tunnel_length) {
+  if (page.result.tunnel_length && !f.only_groups()) {
     out += " Required force: " + display(f.required_force_n / page.result.tunnel_length->si() / 1000, 3) +
            " kN per metre of tunnel, for blocks by themselves.";
   }

@@ -169,8 +169,9 @@ void fields(V& v, const KeyBlockRow& x) {
   if (x.parts.rotation) {
     const std::optional<bool> topples = x.j.rotation ? std::optional{x.j.rotation->turns} : std::nullopt;
     v("topples", topples,
-      "rotational check: 1 when no forces at its contacts hold the block against turning, 0 when some do; empty for a "
-      "block that translation moves");
+      "rotational check: 1 when no forces at its contacts hold the block against turning, and with rotation = "
+      "\"decide\" when a search finds that it turns from rest though some would; else 0; empty for a block that "
+      "translation moves");
     v("turns", topples, "old name of `topples`; goes with the next version");
   }
   if (x.parts.support) supported_fields(v, x.j, x.supported, x.group_supported);
