@@ -57,7 +57,7 @@ ExitCode plan_scene(const std::string& path) {
   if (!plan) return report_problems(plan.error());
   if (const auto* blocks = std::get_if<scene::Scene>(&*scene)) {
     // What no run could do; a scene that is too large for this machine has a plan.
-    const auto refused = refusals(*blocks);
+    const auto refused = refusals(*blocks, {.memory_mb = machine_memory_mb()}, scene::TooLarge::passed_over);
     if (!refused.empty()) return report_problems(refused);
   }
   print(std::visit(

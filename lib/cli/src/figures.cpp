@@ -130,9 +130,9 @@ std::string support_lines(const scene::SupportFigures& support, const std::vecto
   }
   text += fmt::format("  {}, {} ({} failing); ", counted(support.bolts, "bolt", "bolts"),
                       counted(support.combined, "stitched body", "stitched bodies"), support.combined_failing) +
-          say(one ? "required by this block {required_force_n}, missing {missing_force_n}\n"
-                  : "required by these blocks {required_force_n}, missing {missing_force_n}\n",
-              all);
+          (support.only_groups() ? "forces and pressures are of single blocks, and only groups are below their target\n"
+           : one                 ? say("required by this block {required_force_n}, missing {missing_force_n}\n", all)
+                 : say("required by these blocks {required_force_n}, missing {missing_force_n}\n", all));
   if (support.small_blocks > 0) {
     text +=
         say("  of these {small_blocks} with less free face than `spot_area`: {small_not_held} not held, required "
@@ -148,9 +148,10 @@ std::string support_lines(const scene::SupportFigures& support, const std::vecto
   for (const scene::SupportCaseFigures& load : cases) {
     text += fmt::format("  under {}: {} below {} target ", load.name, counted(load.figures.blocks, "block", "blocks"),
                         load.figures.blocks == 1 ? "its" : "their") +
-            say("({target_falling:g}, {target_sliding:g}), {not_held} not held; required by these blocks "
-                "{required_force_n}, missing {missing_force_n}\n",
-                load);
+            say("({target_falling:g}, {target_sliding:g}), {not_held} not held", load) +
+            (load.figures.only_groups()
+                 ? ", only groups\n"
+                 : say("; required by these blocks {required_force_n}, missing {missing_force_n}\n", load));
   }
   if (support.groups && support.groups->count > 0) {
     text += fmt::format("  {} of blocks below {} target, ", counted(support.groups->count, "group", "groups"),

@@ -105,19 +105,22 @@ std::vector<Problem> without_rock(const Scene& scene, const std::vector<Excavati
 
 }  // namespace
 
-std::vector<Problem> refusals(const Scene& scene, const RunOptions& options) {
+std::vector<Problem> refusals(const Scene& scene, const RunOptions& options, TooLarge too_large) {
   const auto drawn = sample(scene);
   if (!drawn) return drawn.error();
-  if (const auto refused = topology::refusal_of(drawn->input)) return {problem_of(*refused, scene, *drawn)};
   const auto cut = topology::cut({.domain = drawn->input.domain,
                                   .excavations = drawn->input.excavations,
                                   .free_domain_tags = drawn->input.free_domain_tags});
   if (!cut) return {problem_of(cut.error(), scene, *drawn)};
   std::vector<Problem> problems = without_rock(scene, taken_by(scene, *drawn, cut->report().excavated));
   if (scene.stability) std::ranges::move(misplaced_loads(scene, *drawn, *cut), std::back_inserter(problems));
-  const bool near = scene.output.only_key_blocks && scene.stability && !scene.sequence;
-  if (options.memory_mb && !near && !scene.monte_carlo && problems.empty()) {
-    if (auto refused = too_large_for(*options.memory_mb, scene, *drawn)) problems.push_back(*std::move(refused));
+  // Joints by the million are not looked through where no run would cut them.
+  const bool known = !(scene.output.only_key_blocks && scene.stability && !scene.sequence) && !scene.monte_carlo;
+  const auto large = options.memory_mb ? too_large_for(*options.memory_mb, scene, *drawn) : std::nullopt;
+  if (!large) {
+    if (const auto refused = topology::refusal_of(drawn->input)) return {problem_of(*refused, scene, *drawn)};
+  } else if (known && too_large == TooLarge::refused && problems.empty()) {
+    problems.push_back(*large);
   }
   return problems;
 }

@@ -224,7 +224,8 @@ std::vector<Key> slope_keys() {
 
 std::vector<Key> bench_keys() {
   return {{"plan", key::pairs(), required,
-           "`[[x, y], ...]` in m: the crest of the uppermost bench, in either sense; it may leave the domain"},
+           "`[[x, y], ...]` in m: a closed outline, the crest of the uppermost bench: what lies inside it is dug; in "
+           "either sense; it may leave the domain"},
           {"top", key::number(rule::coordinate), "the top of the domain", "m, level of the crest"},
           {"height", key::number(rule::length), required, "m, of a bench"},
           {"width", key::number(rule::length_or_zero), required, "m, of the berms between benches"},

@@ -437,6 +437,15 @@ struct SupportFigures {
     return block_by_block && turning_not_held == 0 && groups_judged != GroupsJudged::too_many &&
            (!groups || groups->all_held());
   }
+  /// Only groups of blocks are below their target, so that forces and pressures of single blocks say nothing.
+  [[nodiscard]] bool only_groups() const noexcept { return blocks == 0 && groups && groups->count > 0; }
+  /// Infinite where these are of no use.
+  [[nodiscard]] double of_blocks(double figure) const noexcept {
+    return only_groups() ? std::numeric_limits<double>::infinity() : figure;
+  }
+  [[nodiscard]] std::string_view why_not(std::string_view reason) const noexcept {
+    return only_groups() ? "only groups of blocks are below their target, and this is of single blocks" : reason;
+  }
   std::uint64_t blocks = 0, held_by_bolts = 0, held_by_shotcrete = 0, held_by_both = 0, not_held = 0;
   std::uint64_t held_in_failing_groups = 0;  ///< held by themselves, in groups that are not held or in doubt
   std::uint64_t key_blocks_behind = 0;       ///< not among these
@@ -472,15 +481,18 @@ void fields(V& v, const SupportCaseFigures& x) {
   v("not_held", x.figures.not_held);
   v("target_falling", x.figures.targets.falling, "required factors of safety under this load");
   v("target_sliding", x.figures.targets.sliding);
-  v("required_force_n", or_null(x.figures.required_force_n), "as without load");
-  v("required_force_reason", when(!std::isfinite(x.figures.required_force_n), "no single force is enough for a block"));
-  v("missing_force_n", or_null(x.figures.missing_force_n), "null: no force is enough");
+  const double force = x.figures.of_blocks(x.figures.required_force_n);
+  v("required_force_n", or_null(force), "as without load");
+  v("required_force_reason", when(!std::isfinite(force), x.figures.why_not("no single force is enough for a block")));
+  const double lack = x.figures.of_blocks(x.figures.missing_force_n);
+  v("missing_force_n", or_null(lack), "as without load");
   v("missing_force_reason",
-    when(!std::isfinite(x.figures.missing_force_n), "no force is enough for a block that is not held"));
+    when(!std::isfinite(lack), x.figures.why_not("no force is enough for a block that is not held")));
   v("turning_not_held", when(x.figures.turning > 0, x.figures.turning_not_held), "as without load");
-  v("largest_required_pressure_pa", or_null(x.figures.largest_required_pressure_pa), "as without load");
+  const double pressure = x.figures.of_blocks(x.figures.largest_required_pressure_pa);
+  v("largest_required_pressure_pa", or_null(pressure), "as without load");
   v("largest_required_pressure_reason",
-    when(!std::isfinite(x.figures.largest_required_pressure_pa), "no pressure is enough at the neediest place"));
+    when(!std::isfinite(pressure), x.figures.why_not("no pressure is enough at the neediest place")));
   v("combined_blocks", x.figures.combined);
   v("combined_failing", x.figures.combined_failing);
   supported_groups_field(v, x.figures.groups);
@@ -541,16 +553,19 @@ void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_
   v("bolts_too_short", x.bolts_too_short);
   v("combined_blocks", x.combined);
   v("combined_failing", x.combined_failing);
-  v("required_force_n", or_null(x.required_force_n),
-    "sum over these blocks of the least single force, nothing for groups; null: none is enough");
-  v("required_force_reason", when(!std::isfinite(x.required_force_n), "no single force is enough for a block"));
+  const double force = x.of_blocks(x.required_force_n), lack = x.of_blocks(x.missing_force_n);
+  v("required_force_n", or_null(force),
+    "sum over these blocks of the least single force, nothing for groups; null: none is enough, or only groups are "
+    "below their target");
+  v("required_force_reason", when(!std::isfinite(force), x.why_not("no single force is enough for a block")));
   v("required_force_n_per_metre",
-    when(tunnel_length.has_value(), or_null(x.required_force_n / tunnel_length.value_or(metres(1)).si())),
-    "of tunnel in the rock");
-  v("largest_required_pressure_pa", or_null(x.largest_required_pressure_pa),
-    "that 95 % of `area_m2` need at the neediest place of `pressures`; null: none is enough");
+    when(tunnel_length.has_value(), or_null(force / tunnel_length.value_or(metres(1)).si())), "of tunnel in the rock");
+  const double pressure = x.of_blocks(x.largest_required_pressure_pa);
+  v("largest_required_pressure_pa", or_null(pressure),
+    "that 95 % of `area_m2` need at the neediest place of `pressures`, nothing for groups; null: none is enough, or "
+    "only groups are below their target");
   v("largest_required_pressure_reason",
-    when(!std::isfinite(x.largest_required_pressure_pa), "no pressure is enough at the neediest place"));
+    when(!std::isfinite(pressure), x.why_not("no pressure is enough at the neediest place")));
   v("pressures", when_any(x.pressures),
     "pressure diagram of single blocks: by place, as percentiles of `area_m2`; groups are not in it");
   v("small_blocks", x.small_blocks, "with less free face than spot_area");
@@ -566,8 +581,8 @@ void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_
   v("passed_on_required_force_reason",
     when(!std::isfinite(x.passed_on_required_force_n), "no single force is enough for a block"));
   supported_groups_field(v, x.groups);
-  v("missing_force_n", or_null(x.missing_force_n), "null: no force is enough");
-  v("missing_force_reason", when(!std::isfinite(x.missing_force_n), "no force is enough for a block that is not held"));
+  v("missing_force_n", or_null(lack), "null: no force is enough, or only groups are below their target");
+  v("missing_force_reason", when(!std::isfinite(lack), x.why_not("no force is enough for a block that is not held")));
   v("designs", when_any(designs), "[support.design]: what was found for each length");
   v("load_cases", when_any(cases), "the same check under each [[load]]");
 }
