@@ -91,6 +91,8 @@ TEST(MotionScene, KeyBlocksThatStandAreSaid) {
   EXPECT_EQ(soon.motion->key_blocks_standing, soon.figures.key_blocks->count);
   EXPECT_EQ(notes_with(soon, "alone or in groups, did not move by a millimetre: block "), 1U);
   EXPECT_EQ(notes_with(soon, "The verdict stays, motion is no proof"), 1U);
+  // They begin to move: no locked forces are said where none are counted.
+  EXPECT_EQ(soon.motion->may_be_locked + notes_with(soon, "forces locked"), 0U);
   const RunResult late = moved(slab(20, "duration = 0.3\nstep = 0.005\n"));
   EXPECT_EQ(late.motion->key_blocks_standing, 0U);
   EXPECT_EQ(notes_with(late, "The verdict stays"), 0U);
@@ -100,9 +102,38 @@ TEST(MotionScene, KeyBlocksThatStandAreSaid) {
   const RunResult stands = moved(pushed);
   EXPECT_GE(stands.motion->key_blocks_standing, 1U);
   EXPECT_TRUE(stands.motion->at_rest);
+  EXPECT_EQ(stands.motion->may_be_locked + notes_with(stands, "forces locked"), 0U);
   EXPECT_EQ(notes_with(stands, "loads of the verdict that motion leaves out: seismic"), 1U);
   EXPECT_EQ(notes_with(stands, "are left out: seismic. A block that only these bring down stands"), 1U);
   EXPECT_EQ(notes_with(stands, "not the load cases \"harder\" (seismic)"), 1U);
+}
+
+// Blocks of a slope that move by the verdict of their group, and stand in motion by forces between them: figures, marks
+// and notes say the same.
+TEST(MotionScene, WhatStandsByLockedForcesIsMarked) {
+  std::string scene = "[domain]\nbox = { min = [0, 0, 0], max = [30, 12, 14] }\n";
+  for (const auto& [through, dip, direction] :
+       {std::tuple{"12, 6, 6.2", 28.85, 103.87}, std::tuple{"9, 6, 8", 67.53, 278.19},
+        std::tuple{"12, 3.2, 6", 62.39, 15.56}, std::tuple{"12, 8.6, 6", 74.18, 187.09},
+        std::tuple{"11.462, 5.562, 8.719", 79.35, 144.97}, std::tuple{"11.455, 7.036, 9.103", 58.61, 170.76},
+        std::tuple{"12.733, 6.904, 8.989", 35.34, 293.12}}) {
+    scene +=
+        fmt::format("[[joint]]\nplane = {{ through = [{}], dip = {}, dip_direction = {} }}\n", through, dip, direction);
+  }
+  const RunResult result =
+      moved(scene +
+            "[joints.default]\nfriction = 26\n[rock]\ndensity = 2600\n[[excavation]]\nkind = \"slope\"\n"
+            "profile = { direction = 90, points = [[0, 12], [11, 12], [15, 4], [30, 4]] }\n[stability]\n"
+            "groups = \"decide\"\n[motion]\nrelease = \"all\"\nduration = 0.02\nframe = 0.02\nerror = false\n");
+  const MotionResult& motion = *result.motion;
+  ASSERT_TRUE(motion.converged);
+  ASSERT_GE(motion.key_blocks_standing, 1U);
+  EXPECT_EQ(motion.locked(), motion.blocks.size());
+  EXPECT_GE(motion.locked(), motion.key_blocks_standing);
+  EXPECT_GE(motion.may_be_locked, motion.locked());
+  EXPECT_EQ(notes_with(result, "forces locked between them may hold; an answer that moves"), 1U);
+  EXPECT_EQ(notes_with(result, "forces locked between blocks may hold"), 1U);
+  EXPECT_EQ(notes_with(result, "not shown to be safe: block "), 1U);
 }
 
 TEST(MotionScene, SlidesUnderARecordAsNewmarkSays) {

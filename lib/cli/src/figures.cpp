@@ -167,6 +167,7 @@ std::string rest_of(const scene::MotionResult& motion) {
   std::vector<std::string> said;
   if (motion.at_rest) said.emplace_back("at rest");
   if (motion.key_blocks_standing > 0) said.push_back(say("{key_blocks_standing} key blocks stand", motion));
+  if (motion.locked() > 0) said.push_back(say("{standing_by_locked_forces} stand by locked forces, or may", motion));
   return said.empty() ? "" : fmt::format(" ({})", fmt::join(said, ", "));
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "growth.hpp"
 #include "interior.hpp"
 #include "judge.hpp"
 #include "newton.hpp"
@@ -27,8 +28,6 @@ class Cascade {
   Solution take() && { return std::move(best_); }
 
  private:
-  using Unknowns = std::vector<Vector3d>;
-
   [[nodiscard]] bool done() const { return tried_ && best_.report.residual <= options_.accept; }
   [[nodiscard]] std::size_t factors() const { return newton_.factors() + interior_.factors(); }
   [[nodiscard]] bool spent() const { return factors() >= budget_; }
@@ -315,7 +314,7 @@ class Cascade {
   }
 
   /// 1: a body that stands and would move without contacts, and friction may be why.
-  [[nodiscard]] std::vector<std::uint8_t> standing() const {
+  [[nodiscard]] std::vector<std::uint8_t> standing_in(const std::vector<Vector6>& velocity) const {
     double fastest = 0;
     for (const Vector6& v : group_.free) fastest = std::max(fastest, v.norm());
     std::vector<std::uint8_t> out(group_.mass.size(), 0);
@@ -323,7 +322,7 @@ class Cascade {
       if (!(p.mu > 0)) continue;
       for (const std::optional<std::uint32_t> b : {std::optional{p.body}, p.other}) {
         if (!b || group_.free[*b].norm() <= 1e-6 * fastest) continue;
-        if (best_.velocity[*b].norm() <= 1e-6 * fastest) out[*b] = 1;
+        if (velocity[*b].norm() <= 1e-6 * fastest) out[*b] = 1;
       }
     }
     return out;
@@ -377,7 +376,7 @@ class Cascade {
   /// Coulomb's problem may have several answers. One in which bodies stand counts only where the search from motion,
   /// friction followed up from none, ends in no other one that keeps more of the motion.
   void prefer_motion() {
-    std::vector<std::uint8_t> stands = standing();
+    std::vector<std::uint8_t> stands = standing_in(best_.velocity);
     if (std::ranges::count(stands, 1) == 0 || stand_among_neighbours(std::move(stands))) return;
     exact_ = false;
     Unknowns free = smooth(1e-8);
@@ -385,29 +384,118 @@ class Cascade {
     if (is_large() && motion_of(velocities_of(free)) <= motion_of(best_.velocity) + 1e-4) {
       (void)newton_.solve({.law = Law::frictionless}, free, {.rough = 1e-3, .fine = 1e-5, .last = 4, .finest = 1e-8});
     }
-    if (motion_of(velocities_of(free)) <= motion_of(best_.velocity) + 1e-9) return;  // stands without friction
+    if (motion_of(velocities_of(free)) <= motion_of(best_.velocity) + barely) return;  // stands without friction
     Solution standing = std::move(best_);
-    best_ = {};
-    best_.impulse.assign(group_.points.size(), Vector3d::Zero());
-    tried_ = false;
-    budget_ = factors() + options_.patience;
-    by_rising_friction(std::move(free));
-    if (!done() && by_points()) {
-      exact_ = true;
-      budget_ = factors() + options_.patience;
-      by_rising_friction(smooth(1e-8));
-    }
-    const bool found = done();
-    // A rough answer that moves counts for more than one that stands: what stands by it would be safe by mistake.
-    const double gained = motion_of(best_.velocity) - motion_of(standing.velocity);
-    const bool rough = tried_ && best_.report.residual <= options_.tolerate && gained > 0.1;
-    const bool other = rough || (found && gained > 1e-9);
-    standing.report.may_be_locked = other || !found;
-    if (other) {
+    const double still = motion_of(standing.velocity);
+    bool found = search_from_motion(free, still);
+    if (!is_large() && rank_of(still) < 2) found = !by_single_bodies(standing) && found;
+    const int rank = rank_of(still);
+    standing.report.may_be_locked = rank > 0 || !found;
+    if (rank > 0) {
       best_.report.may_be_locked = true;
     } else {
       best_ = std::move(standing);
     }
+  }
+
+  /// What the best answer counts beside one that keeps so much of the motion: 2 where it moves, 1 where it is rough and
+  /// moves: what stands by the other would be safe by mistake; else 0.
+  [[nodiscard]] int rank_of(double still) const {
+    if (!tried_) return 0;
+    const double gained = motion_of(best_.velocity) - still;
+    if (done() && gained > barely) return 2;
+    return best_.report.residual <= options_.tolerate && gained > 0.1 ? 1 : 0;
+  }
+
+  /// Other answers than one at rest that keeps so much of the motion, by one way after the other until one moves. False
+  /// where a way ended neither at rest nor in an answer.
+  bool search_from_motion(const Unknowns& free, double still) {
+    bool settled = true;
+    int rank = 0;
+    best_ = {};
+    best_.impulse.assign(group_.points.size(), Vector3d::Zero());
+    tried_ = false;
+    const auto search = [&](auto&& way) {
+      if (rank == 2) return;
+      Solution before = best_;
+      const bool tried = std::exchange(tried_, false);
+      budget_ = factors() + options_.patience;
+      settled = way() && settled;
+      if (const int own = rank_of(still); own > rank || !tried) {
+        rank = own;
+      } else {
+        best_ = std::move(before);
+        tried_ = tried;
+      }
+    };
+    if (!is_large()) search([&] { return by_growing_friction(free, still); });
+    search([&] {
+      by_rising_friction(free);
+      if (done() || !by_points()) return done();
+      exact_ = true;
+      budget_ = factors() + options_.patience;
+      by_rising_friction(smooth(1e-8));
+      return done();
+    });
+    if (is_large()) search([&] { return by_growing_friction(free, still); });
+    return settled;
+  }
+
+  /// Sweeps while friction grows come near an answer that moves where convex programmes get lost; then Newton. False
+  /// where they move and lead to no answer.
+  bool by_growing_friction(Unknowns x, double still) {
+    const Moves moves = [&](const Unknowns& at) { return motion_of(velocities_of(at)) > still + barely; };
+    (void)grow_friction(scaled_, x, moves);
+    return make_exact(std::move(x), moves, is_large() ? 2 : 10);
+  }
+
+  /// From forces that sweeps found, as long as they move. Whether they came to rest or led to an answer.
+  bool make_exact(Unknowns x, const Moves& moves, int rounds) {
+    for (int round = 0; round < rounds; ++round) {
+      look_at(x, Method::sweeps);
+      if (done() || !moves(x)) return true;
+      for (const double rough : {1e-2, 1e-3, 1e-5}) {
+        Unknowns near = x;
+        (void)newton_.solve({.law = Law::coulomb}, near, {.rough = rough, .fine = std::min(rough, 1e-6)});
+        if (moves(near)) look_at(near, Method::sweeps);
+        if (done()) return true;
+      }
+      sweep(scaled_, x, 200);
+    }
+    return false;
+  }
+
+  /// Bodies that stand, but would move if all others went on as they do: their neighbours hold them by what hangs on
+  /// how they came to rest. From such motion the whole is sought; true where there is some.
+  bool by_single_bodies(const Solution& standing) {
+    const double still = motion_of(standing.velocity);
+    const Moves moves = [&](const Unknowns& at) { return motion_of(velocities_of(at)) > still + barely; };
+    const std::vector<std::uint8_t> stands = standing_in(standing.velocity);
+    bool any = false;
+    for (std::uint32_t b = 0; b < stands.size() && rank_of(still) < 2; ++b) {
+      if (stands[b] == 0) continue;
+      const Alone own = alone(group_, b, standing.velocity);
+      const Unknowns impulse = moving_alone(own.group);
+      if (impulse.empty()) continue;
+      any = true;
+      Unknowns x;
+      for (std::size_t k = 0; k < standing.impulse.size(); ++k) {
+        x.emplace_back(standing.impulse[k] / scaled_.elements[k].scale);
+      }
+      for (std::size_t k = 0; k < impulse.size(); ++k) {
+        x[own.from[k]] = impulse[k] / scaled_.elements[own.from[k]].scale;
+      }
+      // What stood may be the better answer by its residual: it must not hide one that moves.
+      Solution before = best_;
+      const int rank = rank_of(still);
+      const bool tried = std::exchange(tried_, false);
+      (void)make_exact(std::move(x), moves, 3);
+      if (rank_of(still) <= rank) {
+        best_ = std::move(before);
+        tried_ = tried;
+      }
+    }
+    return any;
   }
 
   /// The slip of one share of the friction is where the next one starts.
@@ -442,6 +530,9 @@ class Cascade {
     }
     for (std::size_t e = 0; e < friction.size(); ++e) scaled_.elements[e].mu = friction[e];
   }
+
+  /// Share of the motion by which an answer has to keep more to be another one.
+  static constexpr double barely = 1e-9;
 
   const Group& group_;
   const SolverOptions& options_;

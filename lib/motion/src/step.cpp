@@ -257,6 +257,8 @@ void World::Impl::let_fall(const std::vector<State>& mid, double step, Attempt& 
   out.broken.clear();
   out.contacts.clear();
   out.locked.assign(shapes.size(), 0);
+  // What sleeps is not solved: what was said of it stays.
+  for (std::size_t b = 0; b < asleep.size(); ++b) out.locked[b] = asleep[b] != 0 ? locked[b] : std::uint8_t{0};
   out.torn.clear();
   out.bond_impulse.assign(bonds.size(), {});
   out.ties = ties;
@@ -264,6 +266,7 @@ void World::Impl::let_fall(const std::vector<State>& mid, double step, Attempt& 
     if (tie.broken) tie.force = 0;
   }
   out.report = {};
+  out.report.may_be_locked = static_cast<std::size_t>(std::ranges::count(out.locked, std::uint8_t{1}));
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (!moves(b)) continue;
     const Wrench more = loads_of(b, mid);

@@ -361,6 +361,7 @@ Vec3 World::spin(std::size_t body) const { return impl_->spin(impl_->state[body]
 double World::mass(std::size_t body) const { return impl_->shapes[body].mass; }
 double World::volume(std::size_t body) const { return impl_->shapes[body].volume; }
 bool World::asleep(std::size_t body) const { return impl_->asleep[body] != 0; }
+bool World::may_be_locked(std::size_t body) const { return impl_->locked[body] != 0; }
 Vec3 World::position(std::size_t body, Vec3 at_start) const {
   return centroid(body) + impl_->state[body].turn * (at_start - impl_->shapes[body].centroid);
 }

@@ -21,6 +21,14 @@ bool holds_when_opened(const Realization& made) {
   });
 }
 
+/// The first three, and how many more.
+std::string listed(std::vector<std::string> named) {
+  constexpr std::size_t most = 3;
+  const std::size_t more = named.size() - std::min(most, named.size());
+  named.resize(named.size() - more);
+  return fmt::format("{}{}", fmt::join(named, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
+}
+
 /// "block 3 at block 7": standing blocks that other rock bars at an edge or a corner, where the verdict knows nothing
 /// that bars.
 std::string barred_at_tips(const std::vector<StandingBlock>& standing, const MotionResult& result) {
@@ -30,41 +38,62 @@ std::string barred_at_tips(const std::vector<StandingBlock>& standing, const Mot
     named.push_back(fmt::format("block {} at block {}", own.value(), rock.value()));
   }
   if (named.empty()) return {};
-  constexpr std::size_t most = 3;
-  const std::size_t more = named.size() - std::min(most, named.size());
-  named.resize(named.size() - more);
   return fmt::format(
-      "rock beside their way bars them at an edge or a corner alone ({}{}), which is sharp and does not break here, "
+      "; rock beside their way bars them at an edge or a corner alone ({}), which is sharp and does not break here, "
       "and "
       "would be crushed",
-      fmt::join(named, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
+      listed(std::move(named)));
 }
 
-/// Which blocks stand against their verdict, and why they can.
-void add_standing_note(const Scene& scene, const Realization& made, const std::vector<StandingBlock>& standing,
-                       MotionResult& result) {
-  if (standing.empty() || !result.converged) return;
-  constexpr std::size_t most = 3;
-  std::vector<std::string> named;
-  for (std::size_t k = 0; k < std::min(most, standing.size()); ++k) {
-    named.push_back(fmt::format("block {} (factor of safety {:.4g})", standing[k].block.value(), standing[k].factor));
-  }
-  const std::string tips = barred_at_tips(standing, result);
-  std::string why = tips.empty() ? "" : tips + "; ";
-  why += "forces locked between blocks may hold them";
-  if (holds_when_opened(made)) why += ", and cohesion and tension of faces that open act until they part";
-  if (!result.at_rest) why += "; or they are slow, and the run is short";
+/// What else than locked forces may let blocks stand against their verdict, each with "; " before it.
+std::string other_reasons(const Scene& scene, const Realization& made, const MotionResult& result) {
+  std::string why;
+  if (holds_when_opened(made)) why += "; cohesion and tension of faces that open act until they part";
   if (const std::string out = left_out_of(scene.stability->loads, *scene.motion); !out.empty()) {
     why += "; loads of the verdict that motion leaves out: " + out;
   }
   if (result.loads && result.loads->drained > 0) why += "; water that has drained holds them no more";
   if (reduces_strength(*scene.stability)) why += "; partial factors of the verdict, which motion leaves out";
   if (!result.bolts.empty()) why += "; bolts hold what they lean on";
+  return why;
+}
+
+/// Which blocks stand against their verdict, and why they can.
+void add_standing_note(const Scene& scene, const Realization& made, const std::vector<StandingBlock>& standing,
+                       MotionResult& result) {
+  if (standing.empty() || !result.converged) return;
+  std::vector<std::string> named;
+  for (const auto& [block, factor] : standing) {
+    named.push_back(fmt::format("block {} (factor of safety {:.4g})", block.value(), factor));
+  }
+  const auto locked = std::ranges::count_if(result.blocks, [&](const MotionBlock& b) {
+    return b.locked && std::ranges::binary_search(standing, b.block, {}, &StandingBlock::block);
+  });
+  std::string why = locked > 0 ? fmt::format("; forces locked between blocks may hold {} of them", locked) : "";
+  why += barred_at_tips(standing, result) + other_reasons(scene, made, result);
+  if (!result.at_rest) why += "; or they are slow, and the run is short";
+  result.notes.push_back(
+      fmt::format("motion: {} key {}, alone or in groups, did not move by a millimetre: {}. The verdict stays, motion "
+                  "is no proof{}",
+                  standing.size(), standing.size() == 1 ? "block" : "blocks", listed(std::move(named)),
+                  why.empty() ? why : why.replace(0, 1, ":")));
+}
+
+/// What stands at the end by locked forces, or may: found by the search for other answers, or by the verdict.
+void add_locked_note(MotionResult& result) {
+  if (result.may_be_locked == 0) return;
+  std::vector<std::string> named;
+  for (const MotionBlock& block : result.blocks) {
+    if (block.locked) named.push_back(fmt::format("block {}", block.block.value()));
+  }
   result.notes.push_back(fmt::format(
-      "motion: {} key {}, alone or in groups, did not move by a millimetre: {}{}. The verdict stays, motion is no "
-      "proof: {}",
-      standing.size(), standing.size() == 1 ? "block" : "blocks", fmt::join(named, ", "),
-      standing.size() > most ? fmt::format(" and {} more", standing.size() - most) : "", why));
+      "motion: up to {} blocks at a time were in groups that forces locked between them may hold; an answer that moves "
+      "was looked for and goes first, but not every one may have been found{}",
+      result.may_be_locked,
+      named.empty() ? ""
+                    : fmt::format(". At the end {} so, and {} not shown to be safe: {}",
+                                  named.size() == 1 ? "one stands" : fmt::format("{} stand", named.size()),
+                                  named.size() == 1 ? "is" : "are", listed(named))));
 }
 
 void add_rest_notes(const Scene& scene, MotionResult& result) {
@@ -117,6 +146,21 @@ std::vector<StandingBlock> standing_blocks(const Realization& made, const Motion
   return out;
 }
 
+void mark_locked(const Scene& scene, const Realization& made, MotionResult& result) {
+  const std::vector<StandingBlock> standing = standing_blocks(made, result);
+  result.key_blocks_standing = standing.size();
+  // m/s: what begins to move is faster before it has come far enough to be seen.
+  constexpr double still = 1e-4;
+  const bool otherwise = !result.converged || !other_reasons(scene, made, result).empty();
+  for (MotionBlock& block : result.blocks) {
+    if (otherwise || !(result.at_rest || block.fastest < still)) continue;
+    if (!std::ranges::binary_search(standing, block.block, {}, &StandingBlock::block)) continue;
+    if (std::ranges::find(result.at_tips, block.block, &MotionTip::block) != result.at_tips.end()) continue;
+    block.locked = true;
+  }
+  result.may_be_locked = std::max(result.may_be_locked, result.locked());
+}
+
 void add_motion_notes(const Scene& scene, const Realization& made, double accepted, MotionResult& result) {
   std::vector<std::string>& notes = result.notes;
   if (result.blocks.empty()) notes.emplace_back("motion: no block is let go");
@@ -134,12 +178,7 @@ void add_motion_notes(const Scene& scene, const Realization& made, double accept
                     "a miss of at most {:.2g} m/s",
                     result.rough_steps, result.steps, accepted, result.residual, result.missed_speed));
   }
-  if (result.may_be_locked > 0) {
-    notes.push_back(fmt::format(
-        "motion: up to {} blocks at a time were in groups that forces locked between them may hold; an answer that "
-        "moves was looked for and goes first, but not every one may have been found",
-        result.may_be_locked));
-  }
+  add_locked_note(result);
   add_standing_note(scene, made, standing_blocks(made, result), result);
   add_load_notes(scene, result);
   if (reduces_strength(*scene.stability)) {

@@ -260,6 +260,7 @@ MotionResult MotionRecorder::close() {
     MotionBlock& block = result_.blocks[k];
     const Vec3 shift = world_.displacement(k);
     block.moved = norm(shift) > millimetre;
+    block.locked = !block.moved && !block.left && norm(world_.velocity(k)) < resting_speed && world_.may_be_locked(k);
     block.fall = metres(-shift.z);
     block.runout = metres(std::hypot(shift.x, shift.y));
     block.centroid = complex_.origin() + world_.centroid(k);

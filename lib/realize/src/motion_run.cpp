@@ -308,6 +308,9 @@ std::uint64_t MotionResult::moved() const noexcept {
 std::uint64_t MotionResult::left() const noexcept {
   return static_cast<std::uint64_t>(std::ranges::count_if(blocks, &MotionBlock::left));
 }
+std::uint64_t MotionResult::locked() const noexcept {
+  return static_cast<std::uint64_t>(std::ranges::count_if(blocks, &MotionBlock::locked));
+}
 double MotionResult::fastest_left() const noexcept {
   double out = 0;
   for (const MotionBlock& b : blocks) out = std::max(out, b.leaving_speed);
@@ -358,7 +361,7 @@ std::expected<MotionResult, Problem> run_motion(const Scene& scene, const Realiz
     result.notes.push_back(fmt::format("motion: {} {} thinner than 1e-6 of the domain {} left out", cast.left_out,
                                        cast.left_out == 1 ? "block" : "blocks", cast.left_out == 1 ? "is" : "are"));
   }
-  result.key_blocks_standing = standing_blocks(made, result).size();
+  mark_locked(scene, made, result);
   add_motion_notes(scene, made, accepted, result);
   add_support_notes(scene, made, cast, result, result.notes);
   return result;

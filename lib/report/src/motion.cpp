@@ -94,6 +94,7 @@ std::string motion_section(const scene::MotionResult& motion) {
   told += facts({{"released", "Let go"},
                  {"moved"},
                  {"key_blocks_standing", "Key blocks that stand"},
+                 {"standing_by_locked_forces", "Stand by locked forces, or may"},
                  {"steps"},
                  {"residual", "Residual of the contact law", 2}},
                 motion);

@@ -450,6 +450,7 @@ void fields(V& v, const MotionBlock& x) {
   v("leaving_speed_m_s", when(x.left, x.leaving_speed), "of the centroid, as it left; empty: it did not");
   v("bolts", x.bolts, "that tied it to other rock");
   v("bolts_broken", x.bolts_broken, "of these");
+  v("locked", x.locked, "1 when it stands at the end and only forces locked between blocks are known to hold it");
 }
 
 template <class V>

@@ -324,6 +324,9 @@ class World final {
   [[nodiscard]] double mass(std::size_t body) const;
   [[nodiscard]] double volume(std::size_t body) const;
   [[nodiscard]] bool asleep(std::size_t body) const;
+  /// Whether it is in a group that rests in one answer of the contact law and moves in another, or may; of a body that
+  /// sleeps, as it fell asleep.
+  [[nodiscard]] bool may_be_locked(std::size_t body) const;
   /// Where a point of the body as given in its shape is now.
   [[nodiscard]] Vec3 position(std::size_t body, Vec3 at_start) const;
   /// Lets a fixed body go, or holds one that moves.

@@ -43,6 +43,7 @@ struct MotionBlock {
   bool left = false;                          ///< left the domain and was followed no further
   double leaving_speed = 0;                   ///< of the centroid, as it left
   std::uint64_t bolts = 0, bolts_broken = 0;  ///< that tied it to other rock
+  bool locked = false;                        ///< did not move, and may stand by forces locked between blocks alone
 };
 
 /// A bolt that tied a block that was let go to other rock.
@@ -111,6 +112,7 @@ struct MotionResult {
 
   [[nodiscard]] std::uint64_t moved() const noexcept;
   [[nodiscard]] std::uint64_t left() const noexcept;
+  [[nodiscard]] std::uint64_t locked() const noexcept;  ///< blocks at the end
   [[nodiscard]] double fastest_left() const noexcept;
   [[nodiscard]] Length front_runout() const noexcept;
   [[nodiscard]] std::uint64_t bolts_broken() const noexcept;
@@ -147,6 +149,10 @@ void fields(V& v, const MotionResult& x) {
   v("key_blocks_standing", x.key_blocks_standing,
     "blocks with a factor of safety below 1, their own or that of their group, that were let go and did not move so "
     "far; not those that bolts tie. Their verdict stays: motion is no proof");
+  v("standing_by_locked_forces", x.locked(),
+    "blocks that were let go, stand at the end and would move in another answer of the contact law, or may: only "
+    "forces "
+    "locked between blocks are known to hold them. Do not count on them");
   v("left", x.left(), "blocks that left the domain and were followed no further");
   v("fastest_left_m_s", when(x.left() > 0, x.fastest_left()), "largest speed of a centroid as it left");
   v("front_runout_m", x.front_runout(), "farthest level way of any corner of a block from where it was, at any time");
