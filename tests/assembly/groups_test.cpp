@@ -224,6 +224,29 @@ TEST(KeyGroups, CohesionThatNextToNothingPressesIsNotReliedOn) {
   EXPECT_NEAR(groups_on(88.9, 0.9).at(0).moving.factor, 0.9 / sin_deg(88.9), 1e-7);
 }
 
+// Two blocks apart from one another, one that slides and one that half of its cohesion does not hold.
+TEST(KeyGroups, OnlyWhatIsAskedForIsFound) {
+  Builder b{Freedom::translation};
+  for (const double cohesion : {0.0, 1.2}) {
+    const std::uint32_t block = b.block({0, 0, -1}, 1);
+    Contact& contact = b.contact(block, rock, {sin_deg(89.5), 0, cos_deg(89.5)}, 0);
+    contact.bonds.push_back({.corners = {Vec3{}, Vec3{1, 0, 0}, Vec3{0, 1, 0}}, .cohesion = cohesion});
+  }
+  using Marks = std::vector<std::uint8_t>;
+  const auto bodies = [&](Ask ask, const Marks& among) {
+    std::vector<std::uint32_t> out;
+    for (const Group& group : find_groups(b.made(), ask, 1, among).groups) {
+      out.insert(out.end(), group.bodies.begin(), group.bodies.end());
+    }
+    return out;
+  };
+  EXPECT_EQ(bodies(Ask::verdicts, {}), (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(bodies(Ask::motion, {}), (std::vector<std::uint32_t>{0}));
+  EXPECT_EQ(bodies(Ask::verdicts, {0, 1}), (std::vector<std::uint32_t>{1}));
+  EXPECT_EQ(bodies(Ask::motion, {1, 0}), (std::vector<std::uint32_t>{0}));
+  EXPECT_TRUE(bodies(Ask::motion, {0, 1}).empty());
+}
+
 // A slab and a crumb at its foot that slips away from it: the group's factor is the crumb's, the slab has its own.
 TEST(KeyGroups, TheHeaviestBodyHasItsOwnFactor) {
   const auto group_of = [](double slab, double crumb, bool crumb_first) {

@@ -48,6 +48,11 @@ TEST(SmallGroups, AreLookedForWhereAsked) {
   EXPECT_TRUE(find_small_groups(rests, Marks(3, 1), Marks{1, 0, 0}).empty());
   EXPECT_EQ(find_small_groups(rests, Marks(3, 1), Marks{0, 1, 1}).size(), 1U);
   EXPECT_EQ(find_small_groups(rests, Marks(3, 1), Marks(3, 0), Ask::factors, 3).size(), 1U);
+  const auto among = [&](const Marks& asked) {
+    return find_small_groups(rests, Marks(3, 1), Marks(3, 0), Ask::motion, 1, nullptr, asked).size();
+  };
+  EXPECT_EQ(among({1, 0, 0}), 1U);
+  EXPECT_EQ(among({0, 0, 0}), 0U);
 }
 
 /// A load of 3 on 45 degrees pushes a toe of 1 on level rock, with a smooth face between them, all friction 0.3; each

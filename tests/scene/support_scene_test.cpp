@@ -51,6 +51,24 @@ TEST(SupportScene, BoltsThatLeaveTheDomainAreSaid) {
   EXPECT_EQ(notes_with(bolted("[\"bottom\", \"top\"]", "5"), "leave the domain"), 0U);
 }
 
+// The bolt lies some 2 m in the tetrahedron, held by its plate: gripped for less than the anchorage it is no dowel.
+TEST(SupportScene, ShearThatDoesNotCountIsSaid) {
+  const auto bolted = [](std::string_view direction, double anchorage, double shear) {
+    return run_of(fmt::format(
+        "[domain]\nbox = {{ min = [-10, -10, 0], max = [10, 10, 15] }}\n{}[stability]\nfree = [\"bottom\"]\n"
+        "[support]\n[[support.bolts]]\nat = [[0.5, 0.2, 0]]\ndirection = {}\nlength = 8\n"
+        "tendon_capacity = \"200 kN\"\nplate_capacity = \"100 kN\"\nbond_strength = \"200 kN/m\"\n"
+        "anchorage = {}\nshear_capacity = {}\n",
+        roof_tetrahedron, direction, anchorage, shear));
+  };
+  const std::string_view note = "1 of 1 bolts is gripped less than its anchorage in the block that it serves";
+  EXPECT_EQ(notes_with(bolted("[0.3, 0, 1]", 2.8, 1e5), note), 1U);
+  EXPECT_EQ(notes_with(bolted("[0.3, 0, 1]", 0.5, 1e5), note), 0U);
+  EXPECT_EQ(notes_with(bolted("[0.3, 0, 1]", 2.8, 0), note), 0U);
+  // Along the movement no shear is asked of it.
+  EXPECT_EQ(notes_with(bolted("[0, 0, 1]", 2.8, 1e5), note), 0U);
+}
+
 // Spot bolts that one load asks for stand under all of them, and are listed: given as they are listed, the same factors
 // come out.
 TEST(SupportScene, SpotBoltsAreThoseOfEveryLoad) {

@@ -151,16 +151,24 @@ Start start_from_rest(const Assembly& assembly, double factor) {
 
 namespace {
 
-/// Follows the motion of few bodies from no friction on; empty where nothing moves without.
+/// Strength is over this where few bodies are looked at first: what rests there at once rests at more strength.
+constexpr double well_below = 2;
+
+/// Follows the motion of few bodies from no friction on; empty where nothing moves without. Ends where it comes to
+/// rest: the forces that hold it hold it at more strength too.
 std::optional<Branch::Found> followed(const Elements& elements, double factor) {
   Branch branch{elements};
   branch.allow(6'000);
   if (!branch.begin()) return std::nullopt;
   const bool fully = elements.bodies() <= followed_bodies;
+  if (fully) {
+    Branch::Found found = branch.at(well_below * factor, Branch::Effort::thresholds);
+    if (found.what == FromRest::rests) return found;
+  }
   for (double f = 30 * factor;; f = std::max(factor, 0.8 * f)) {
     Branch::Found found = branch.at(f, fully ? Branch::Effort::thresholds : Branch::Effort::newton);
     if (found.what == FromRest::moves) branch.keep(found);
-    if (f <= factor) return found;
+    if (f <= factor || (fully && found.what == FromRest::rests)) return found;
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -122,8 +123,10 @@ namespace {
 /// One island.
 class Search final {
  public:
-  Search(const Assembly& island, Ask ask, ThreadLimit threads)
+  /// `among`: bodies that are asked for.
+  Search(const Assembly& island, std::vector<std::uint8_t> among, Ask ask, ThreadLimit threads)
       : island_{island},
+        among_{std::move(among)},
         ask_{ask},
         threads_{threads},
         taken_(island.bodies().size(), 0),
@@ -136,8 +139,7 @@ class Search final {
       const Projection free = project(island_, infinite);
       if (free.settled && !(free.largest > slow)) return false;
     }
-    std::vector<Begun> begun =
-        parallel_map(1 + other_searches(), threads_, [&](std::size_t k) { return begin(static_cast<unsigned>(k)); });
+    std::vector<Begun> begun = searched();
     const Start& start = begun.front().start;
     const ContactForces& forces = begun.front().ended.forces;
     weaker_ = std::move(begun.front().weaker.speed);
@@ -153,6 +155,7 @@ class Search final {
     take(moving, Verdict::unsafe, start.motion);
     for (std::size_t k = 1; k < begun.size(); ++k) add_moving(begun[k], open);
     look_closer(std::move(open));
+    if (ask_ == Ask::motion) return true;
     look_weaker(forces);
     for (Group& group : groups_) {
       if (group.verdict == Verdict::certain) give_motion(group, begun);
@@ -171,6 +174,23 @@ class Search final {
     Start start, weaker;
     Ended ended, weaker_ended;
   };
+  /// All searches; the first alone where every body that is asked for moves in it.
+  [[nodiscard]] std::vector<Begun> searched() const {
+    const auto all = [&](std::size_t first, std::size_t count) {
+      return parallel_map(count, threads_, [&](std::size_t k) { return begin(static_cast<unsigned>(first + k)); });
+    };
+    const bool some = std::ranges::find(among_, std::uint8_t{0}) != among_.end();
+    if (!some) return all(0, 1 + other_searches());
+    std::vector<Begun> out = all(0, 1);
+    const std::vector<std::uint8_t> moving = moving_ones(out.front().start.speed);
+    for (std::size_t b = 0; b < among_.size(); ++b) {
+      if (among_[b] == 0 || moving[b] != 0) continue;
+      std::ranges::move(all(1, other_searches()), std::back_inserter(out));
+      break;
+    }
+    return out;
+  }
+
   /// Among more than few bodies the first search begins with less strength, and goes on to full strength. Others take
   /// contacts in one order after the other.
   [[nodiscard]] Begun begin(unsigned search) const {
@@ -380,6 +400,7 @@ class Search final {
   }
 
   const Assembly& island_;
+  std::vector<std::uint8_t> among_;
   Ask ask_;
   ThreadLimit threads_;
   std::vector<std::uint8_t> taken_;
@@ -403,12 +424,16 @@ double pressed_cohesion(const Assembly& assembly, const Contact& contact, std::s
   return load > 0 ? cohesion_share(pressed / load) : 1;
 }
 
-Groups find_groups(const Assembly& assembly, Ask ask, unsigned threads) {
+Groups find_groups(const Assembly& assembly, Ask ask, unsigned threads, std::span<const std::uint8_t> among) {
+  CLEAVE_ASSERT(among.empty() || among.size() == assembly.bodies().size());
   Groups out;
   const std::vector<std::uint8_t> all(assembly.bodies().size(), 1);
   for (const std::vector<std::uint32_t>& members : connected_parts(assembly, all)) {
+    std::vector<std::uint8_t> asked;
+    for (const std::uint32_t b : members) asked.push_back(among.empty() ? 1 : among[b]);
+    if (std::ranges::find(asked, std::uint8_t{1}) == asked.end()) continue;
     const Assembly island = assembly.part(members, Assembly::Others::fixed);
-    Search search{island, ask, ThreadLimit{threads}};
+    Search search{island, std::move(asked), ask, ThreadLimit{threads}};
     if (!search.run()) {
       out.held += members.size();
       continue;

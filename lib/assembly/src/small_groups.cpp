@@ -69,9 +69,10 @@ std::vector<Group> moving_among(const Assembly& assembly, const std::vector<std:
 class SmallSearch final {
  public:
   SmallSearch(const Assembly& assembly, std::span<const std::uint8_t> open, std::span<const std::uint8_t> taken,
-              Ask ask, ThreadLimit threads, UntiedSets& untied)
+              std::span<const std::uint8_t> among, Ask ask, ThreadLimit threads, UntiedSets& untied)
       : assembly_{assembly},
         open_{open},
+        among_{among},
         taken_{taken.begin(), taken.end()},
         ask_{ask},
         threads_{threads},
@@ -82,7 +83,7 @@ class SmallSearch final {
     for (std::uint32_t b = 0; b < assembly_.bodies().size(); ++b) {
       if (open_[b] != 0 && taken_[b] == 0) sets.push_back({b});
     }
-    look_at(sets);
+    look_at(std::move(sets));
     look_at(pairs());
     std::ranges::sort(groups_, {}, [](const Group& g) { return g.bodies.front(); });
     return std::move(groups_);
@@ -111,7 +112,9 @@ class SmallSearch final {
   }
 
   /// What is found first is taken; a set of which some was taken is left to the next state.
-  void look_at(const std::vector<std::vector<std::uint32_t>>& sets) {
+  void look_at(std::vector<std::vector<std::uint32_t>> sets) {
+    const auto asked = [&](std::uint32_t b) { return among_[b] != 0; };
+    if (!among_.empty()) std::erase_if(sets, [&](const auto& set) { return std::ranges::none_of(set, asked); });
     auto found = parallel_map(sets.size(), threads_,
                               [&](std::size_t k) { return moving_among(assembly_, sets[k], ask_, untied_); });
     for (std::vector<Group>& groups : found) {
@@ -124,7 +127,7 @@ class SmallSearch final {
   }
 
   const Assembly& assembly_;
-  std::span<const std::uint8_t> open_;
+  std::span<const std::uint8_t> open_, among_;
   std::vector<std::uint8_t> taken_;
   Ask ask_;
   ThreadLimit threads_;
@@ -147,11 +150,11 @@ bool UntiedSets::may_move(const Assembly& assembly) {
 }
 
 std::vector<Group> find_small_groups(const Assembly& assembly, std::span<const std::uint8_t> open,
-                                     std::span<const std::uint8_t> taken, Ask ask, unsigned threads,
-                                     UntiedSets* untied) {
+                                     std::span<const std::uint8_t> taken, Ask ask, unsigned threads, UntiedSets* untied,
+                                     std::span<const std::uint8_t> among) {
   CLEAVE_ASSERT(open.size() == assembly.bodies().size() && taken.size() == open.size());
   UntiedSets own;
-  return SmallSearch{assembly, open, taken, ask, ThreadLimit{threads}, untied != nullptr ? *untied : own}.run();
+  return SmallSearch{assembly, open, taken, among, ask, ThreadLimit{threads}, untied != nullptr ? *untied : own}.run();
 }
 
 }  // namespace cleave::assembly

@@ -17,6 +17,8 @@ using Eigen::Vector3d;
 constexpr double least_load = 1e-6;
 /// Sweeps between choices of what is awake.
 constexpr int between = 8;
+/// Pressure above which a point counts as pressed.
+constexpr double pressed = 1e-9;
 
 /// Rates of the two bodies that a unit force moves.
 Matrix3d response_of(const Element& e) {
@@ -55,7 +57,7 @@ Sweeps::Links<A> Sweeps::links_of(const Elements& elements) {
     // Largest eigenvalue, from above: the largest sum of a row.
     const double most = response_of(e).cwiseAbs().rowwise().sum().maxCoeff();
     out.push_back({rows(e.body), rows(e.other ? *e.other : elements.bodies()), 1 / std::max(most, 1e-300), e.friction,
-                   e.bond, A{e}});
+                   e.bond, e.contact, A{e}});
   }
   return out;
 }
@@ -90,7 +92,20 @@ Sweeps::Sweeps(const Elements& elements, double divisor, double asleep, unsigned
   for (std::size_t b = 0; b < elements.bodies(); ++b) {
     own_.push_back(std::max(elements.load().segment(w * static_cast<Index>(b), w).norm(), least_load));
   }
+  bonds_of(elements);
   take(state_.x);
+}
+
+void Sweeps::strength_over(double divisor) {
+  divisor_ = divisor;
+  strength_ = 1 / divisor;
+  bonds_of(*elements_);
+}
+
+void Sweeps::bonds_of(const Elements& elements) {
+  elements_ = &elements;
+  bonded_.clear();
+  for (const Element& e : elements.all()) bonded_.push_back({e.cohesion / divisor_, e.tension / divisor_});
 }
 
 double Sweeps::speed_over_own(std::size_t body) const {
@@ -112,6 +127,24 @@ void Sweeps::take(const std::vector<Vector3d>& forces) {
   for (std::size_t k = 0; k < forces.size(); ++k) elements_->add_force(elements_->all()[k], forces[k], state_.v);
   rates_.assign(state_.v.begin(), state_.v.end());
   rates_.resize(rates_.size() + static_cast<std::size_t>(elements_->width()), 0);
+  count_pressing();
+}
+
+void Sweeps::count_pressing() {
+  pressing_.clear();
+  for (std::size_t k = 0; k < state_.x.size(); ++k) {
+    const Element& e = elements_->all()[k];
+    if (e.contact >= pressing_.size()) pressing_.resize(e.contact + std::size_t{1}, 0);
+    if (!e.bond && state_.x[k][0] > pressed) ++pressing_[e.contact];
+  }
+}
+
+/// Keeps count of what presses.
+template <class A>
+void Sweeps::set_force(const Link<A>& link, Vector3d& x, const Vector3d& to) {
+  const bool before = x[0] > pressed, after = to[0] > pressed;
+  if (before != after && !link.bond) pressing_[link.contact] += after ? 1U : -1U;
+  x = to;
 }
 
 /// To the state.
@@ -131,24 +164,16 @@ void Sweeps::choose() {
   }
 }
 
-bool Sweeps::patch_presses(const Element& e) const {
-  const auto [first, last] = elements_->of_contact(e.contact);
-  for (std::size_t j = first; j < last; ++j) {
-    if (!elements_->all()[j].bond && state_.x[j][0] > 1e-9) return true;
-  }
-  return false;
-}
-
-Vector3d Sweeps::carried_by_bond(const Element& e, Vector3d x) const {
-  x[0] = std::clamp(x[0], -e.tension / divisor_, 0.0);
-  limit_shear(x, patch_presses(e) ? e.cohesion / divisor_ : 0);
+Vector3d Sweeps::carried_by_bond(const Bonded& bond, bool presses, Vector3d x) const {
+  x[0] = std::clamp(x[0], -bond.tension, 0.0);
+  limit_shear(x, presses ? bond.cohesion : 0);
   return x;
 }
 
 template <class A>
 Vector3d Sweeps::next(const Link<A>& link, std::uint32_t element, const Vector3d& rate) const {
   const Vector3d& x = state_.x[element];
-  if (link.bond) return carried_by_bond(elements_->all()[element], x - link.stop * rate);
+  if (link.bond) return carried_by_bond(bonded_[element], pressing_[link.contact] > 0, x - link.stop * rate);
   const double friction = link.friction * strength_;
   // Where it sticks the relative rate vanishes at once; else a step of the largest response.
   if constexpr (A::turns) {
@@ -171,11 +196,13 @@ void Sweeps::sweep(const Links<A>& links, std::uint32_t element) {
   // Most contacts are open, and stay so.
   const bool none = x[0] == 0 && x[1] == 0 && x[2] == 0;
   if (none && !link.bond && link.arm.opening(of_body, of_other) >= 0) return;
+  // A bond without tension carries nothing where its patch does not press.
+  if (none && link.bond && pressing_[link.contact] == 0 && !(bonded_[element].tension > 0)) return;
   const Vector3d found = next(link, element, link.arm.rate(of_body, of_other));
   const Vector3d step = found - x;
   if (step[0] == 0 && step[1] == 0 && step[2] == 0) return;
   link.arm.push(step, of_body, of_other);
-  x = found;
+  set_force(link, x, found);
 }
 
 template <class A>
@@ -185,7 +212,7 @@ void Sweeps::extrapolate(const Links<A>& links, double share) {
     along_[k] = step + state_.x[k] - before_[k];
     if (step[0] == 0 && step[1] == 0 && step[2] == 0) continue;
     links[k].arm.push(step, rows_of<A>(links[k].body), rows_of<A>(links[k].other));
-    state_.x[k] += step;
+    set_force(links[k], state_.x[k], state_.x[k] + step);
   }
 }
 

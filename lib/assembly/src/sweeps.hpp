@@ -24,12 +24,9 @@ class Sweeps final {
   /// Up to so many sweeps; ends when all is at rest or nothing changes any more.
   void run(int most);
   /// Goes on with other strengths.
-  void strength_over(double divisor) {
-    divisor_ = divisor;
-    strength_ = 1 / divisor;
-  }
+  void strength_over(double divisor);
   /// Goes on with the bonds of other elements of the same contacts.
-  void bonds_of(const Elements& elements) { elements_ = &elements; }
+  void bonds_of(const Elements& elements);
   void bonds_of(const Elements&&) = delete;
   [[nodiscard]] const State& state() const noexcept { return state_; }
   /// Goes on from another state of the forces; rates follow from them.
@@ -45,10 +42,15 @@ class Sweeps final {
     double stop;                ///< force that stops a unit rate at most
     double friction;
     bool bond;
+    std::uint32_t contact;
     A arm;
   };
   template <class A>
   using Links = std::vector<Link<A>>;
+  /// What a bond carries at the present strengths; nothing of a point.
+  struct Bonded {
+    double cohesion, tension;
+  };
   using AnyLinks = std::variant<Links<Arm<2>>, Links<Arm<3>>, Links<StraightArm>, Links<Arm<6>>>;
 
   /// Of a body.
@@ -68,8 +70,10 @@ class Sweeps final {
   /// Force of an element, that its bodies move past at a rate, after a step.
   template <class A>
   [[nodiscard]] Eigen::Vector3d next(const Link<A>& link, std::uint32_t element, const Eigen::Vector3d& rate) const;
-  [[nodiscard]] Eigen::Vector3d carried_by_bond(const Element& e, Eigen::Vector3d x) const;
-  [[nodiscard]] bool patch_presses(const Element& e) const;
+  [[nodiscard]] Eigen::Vector3d carried_by_bond(const Bonded& bond, bool presses, Eigen::Vector3d x) const;
+  template <class A>
+  void set_force(const Link<A>& link, Eigen::Vector3d& x, const Eigen::Vector3d& to);
+  void count_pressing();
   void choose();
   void tell_rates();
   [[nodiscard]] double speed_over_own(std::size_t body) const;
@@ -78,6 +82,8 @@ class Sweeps final {
   double divisor_, strength_, asleep_;
   State state_;
   AnyLinks links_;
+  std::vector<Bonded> bonded_;                   ///< by element
+  std::vector<std::uint32_t> pressing_;          ///< by contact: points that press
   std::vector<std::uint32_t> order_;             ///< elements as they are swept
   std::vector<double> rates_;                    ///< rows of all bodies, and of one more that stays 0
   std::vector<Eigen::Matrix3d> stiff_;           ///< by element where bodies turn: force that stops a unit rate

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <variant>
 
 #include "group_notes.hpp"
 #include "holds_at_border.hpp"
@@ -61,6 +62,35 @@ void add_outside_note(const stability::SupportResult& support, std::vector<std::
       count == 1 ? "" : fmt::format(", up to {:.3g} m of one,", most)));
 }
 
+/// Whether a bolt that a block moves askew to has a shear capacity, and too little grip in the block for it to count.
+bool is_short_of_shear(const stability::BoltResult& bolt) {
+  constexpr double askew = 1;  // degrees
+  const stability::BoltType& type = bolt.bolt.type;
+  const auto* bar = std::get_if<stability::GroutedBar>(&type.kind);
+  const auto* tube = std::get_if<stability::FrictionTube>(&type.kind);
+  const Force shear = bar != nullptr ? bar->shear : tube != nullptr ? tube->shear : Force{};
+  if (bolt.status != stability::BoltStatus::holds || !bolt.serves || !(shear > Force{}) || !(bolt.angle > askew)) {
+    return false;
+  }
+  double grip = 0;
+  for (const stability::Pierced& p : bolt.pierced) {
+    if (p.block == *bolt.serves) grip += stability::gripped_length(type, bolt.bolt.length.si(), p.from, p.to);
+  }
+  return !stability::anchors(type, grip);
+}
+
+void add_shear_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
+  const auto count = std::ranges::count_if(support.bolts, is_short_of_shear);
+  if (count == 0) return;
+  const bool one = count == 1;
+  notes.push_back(fmt::format(
+      "{} of {} bolts {} gripped less than {} anchorage in the block that {}: {} shear_capacity does not count there, "
+      "the plate holds in tension alone; place bolts where the block is thicker, or lessen anchorage where less grip "
+      "bears shear",
+      count, support.bolts.size(), one ? "is" : "are", one ? "its" : "their", one ? "it serves" : "they serve",
+      one ? "its" : "their"));
+}
+
 /// Bolts that are not in the rock at all.
 void add_off_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
   const auto off =
@@ -110,6 +140,7 @@ void add_support_notes(const Scene& scene, const Realization& made, std::vector<
     add_turning_note(load.support, load.groups, fmt::format("load case {}: ", load.name), notes);
   }
   add_outside_note(*made.support, notes);
+  add_shear_note(*made.support, notes);
   // Beyond what was cut on demand rock is not known.
   if (!made.window) add_off_note(*made.support, notes);
   if (scene.stability->groups == stability::GroupsCheck::off) {

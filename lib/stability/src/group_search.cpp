@@ -130,6 +130,7 @@ class Search final {
     }
     std::vector<BlockId> out;
     if (begin_.empty()) return out;
+    ask_ = assembly::Ask::motion;
     for (const KeyGroup& group : state(1)) {
       if (group.verdict == Verdict::in_doubt) continue;
       if (std::ranges::any_of(group.blocks, [&](BlockId id) { return complex().blocks()[id].fixed; }))
@@ -403,10 +404,15 @@ class Search final {
 
   std::vector<KeyGroup> groups_of(const std::vector<BlockId>& blocks, std::uint32_t batch) {
     const assembly::Assembly whole = assembly_with_ties(blocks, batch);
+    // At the border only groups with a block of the border are asked for: what moves without has left.
+    std::vector<std::uint8_t> among;
+    for (const BlockId id : blocks) {
+      if (hangs_) among.push_back((*hangs_)[id]);
+    }
     std::array<std::vector<assembly::Group>, 2> found{
-        assembly::find_groups(whole.with(Freedom::translation), ask_, most_.threads).groups, {}};
+        assembly::find_groups(whole.with(Freedom::translation), ask_, most_.threads, among).groups, {}};
     if (blocks.size() <= most_.turning) {
-      found[1] = assembly::find_groups(whole, ask_, most_.threads).groups;
+      found[1] = assembly::find_groups(whole, ask_, most_.threads, among).groups;
     } else {
       out_.without_moments = true;
     }
@@ -429,7 +435,7 @@ class Search final {
     for (const bool moments : {false, true}) {
       if (moments && blocks.size() > most_.turning) continue;
       const assembly::Assembly with = moments ? whole : whole.with(Freedom::translation);
-      add(assembly::find_small_groups(with, open, taken, ask_, most_.threads, untied_), false, moments);
+      add(assembly::find_small_groups(with, open, taken, ask_, most_.threads, untied_, among), false, moments);
     }
     for (const bool moments : {false, true}) add(found[moments ? 1 : 0], true, moments);
     std::ranges::sort(out, {}, [](const KeyGroup& g) { return g.blocks.front(); });

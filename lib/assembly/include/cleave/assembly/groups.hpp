@@ -172,10 +172,13 @@ struct Groups {
   std::vector<Group> groups;  ///< certain, unsafe and in doubt, by first body
   std::size_t held = 0;       ///< bodies of islands that stand without friction
 };
-/// Whether factors are asked for: they take most of the time where groups are small.
-enum class Ask : std::uint8_t { verdicts, factors };
-/// All groups of one state; the same for any number of threads, which is at least 1.
-[[nodiscard]] Groups find_groups(const Assembly& assembly, Ask ask = Ask::factors, unsigned threads = 1);
+/// What is asked for: which bodies move; what is in doubt as well; factors too, which take most of the time where
+/// groups are small.
+enum class Ask : std::uint8_t { motion, verdicts, factors };
+/// All groups of one state; the same for any number of threads, which is at least 1. `among`, one a body where it is
+/// not empty: only groups with a body that is marked there are asked for, and others may be missing.
+[[nodiscard]] Groups find_groups(const Assembly& assembly, Ask ask = Ask::factors, unsigned threads = 1,
+                                 std::span<const std::uint8_t> among = {});
 
 /// What small sets of bodies do without ties: asked once where the same blocks are looked at under many supports.
 /// Threads may share it.
@@ -193,9 +196,11 @@ class UntiedSets final {
 /// assembly as a whole was found at rest, its other bodies hold them with forces that hang on how it came to rest (two
 /// that would slide clamp a third between them): unsafe at least. `open` and `taken`, one a body: bodies marked in
 /// `open` are looked at, with their neighbours; none that is marked in `taken`. Ties pull at what opens and push
-/// nothing: what rests without them is not looked at with them. `untied`: where that is known from.
+/// nothing: what rests without them is not looked at with them. `untied`: where that is known from. `among`: as of
+/// `find_groups`.
 [[nodiscard]] std::vector<Group> find_small_groups(const Assembly& assembly, std::span<const std::uint8_t> open,
                                                    std::span<const std::uint8_t> taken, Ask ask = Ask::factors,
-                                                   unsigned threads = 1, UntiedSets* untied = nullptr);
+                                                   unsigned threads = 1, UntiedSets* untied = nullptr,
+                                                   std::span<const std::uint8_t> among = {});
 
 }  // namespace cleave::assembly
