@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <span>
 #include <variant>
@@ -11,6 +10,7 @@
 #include "cleave/core/overloaded.hpp"
 #include "cleave/scene3d/bounds.hpp"
 #include "cleave/survey/orientation.hpp"
+#include "cleave/topology/block_shape.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -19,50 +19,9 @@ using geometry::Vec3;
 using topology::BlockComplex;
 using topology::BlockId;
 
-/// Integral of x x^T over a block about its centroid, over its volume: by signed tetrahedra from the centroid.
-std::array<double, 6> covariance(const BlockComplex& complex, const topology::Block& block) {
-  std::array<double, 6> sum{};
-  const Vec3 to_centre = block.centroid - complex.origin();
-  for (const topology::FaceId id : block.faces) {
-    for (const auto& loop : complex.loops(complex.faces()[id])) {
-      const Vec3 a = complex.vertices()[loop[0]] - to_centre;
-      for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
-        const Vec3 b = complex.vertices()[loop[i]] - to_centre, c = complex.vertices()[loop[i + 1]] - to_centre;
-        const double six = dot(a, cross(b, c));
-        const Vec3 s = a + b + c;
-        const auto part = [&](double Vec3::* p, double Vec3::* q) {
-          return six / 120 * (a.*p * a.*q + b.*p * b.*q + c.*p * c.*q + s.*p * s.*q);
-        };
-        sum[0] += part(&Vec3::x, &Vec3::x);
-        sum[1] += part(&Vec3::y, &Vec3::y);
-        sum[2] += part(&Vec3::z, &Vec3::z);
-        sum[3] += part(&Vec3::x, &Vec3::y);
-        sum[4] += part(&Vec3::y, &Vec3::z);
-        sum[5] += part(&Vec3::z, &Vec3::x);
-      }
-    }
-  }
-  const double volume = block.volume.si();
-  for (double& value : sum) value = volume > 0 ? value / volume : 0;
-  return sum;
-}
-
-/// Eigenvalues of a symmetric matrix, largest first (Smith 1961).
-std::array<double, 3> eigenvalues(const std::array<double, 6>& m) {
-  const auto [xx, yy, zz, xy, yz, zx] = m;
-  const double mean = (xx + yy + zz) / 3, off = xy * xy + yz * yz + zx * zx;
-  const double a = xx - mean, b = yy - mean, c = zz - mean;
-  const double p = std::sqrt((a * a + b * b + c * c + 2 * off) / 6);
-  if (!(p > 0)) return {mean, mean, mean};
-  const double det = (a * (b * c - yz * yz) - xy * (xy * c - yz * zx) + zx * (xy * yz - b * zx)) / (p * p * p);
-  const double angle = std::acos(std::clamp(det / 2, -1.0, 1.0)) / 3;
-  const double first = mean + 2 * p * std::cos(angle), last = mean + 2 * p * std::cos(angle + 2 * std::numbers::pi / 3);
-  return {first, 3 * mean - first - last, last};
-}
-
 /// Index of a block's class in stochastic::shape_class_names.
 std::size_t shape_class(const BlockComplex& complex, const topology::Block& block) {
-  const auto values = eigenvalues(covariance(complex, block));
+  const auto values = topology::inertia(complex, block);
   constexpr double limit = 4.0 / 9;  // squares of the axes
   const bool rod = values[1] <= limit * values[0], plate = values[2] <= limit * values[1];
   return (rod ? 2U : 0U) + (plate ? 1U : 0U);
@@ -74,20 +33,11 @@ void add_shape(ShapeClasses& classes, const BlockComplex& complex, const topolog
 
 /// How much rarer than a point a block is met whole in the box.
 double border_weight(const BlockComplex& complex, const topology::Block& block, const Box& box) {
-  Vec3 low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
-  for (const topology::FaceId id : block.faces) {
-    for (const auto& loop : complex.loops(complex.faces()[id])) {
-      for (const auto vertex : loop) {
-        const Vec3 at = complex.vertices()[vertex];
-        low = {std::min(low.x, at.x), std::min(low.y, at.y), std::min(low.z, at.z)};
-        high = {std::max(high.x, at.x), std::max(high.y, at.y), std::max(high.z, at.z)};
-      }
-    }
-  }
+  const Box own = topology::extents(complex, block);
   constexpr double least = 0.01;
   const auto along = [&](double Vec3::* p) {
     const double side = box.max.*p - box.min.*p;
-    return 1 / std::max(least, 1 - (high.*p - low.*p) / side);
+    return 1 / std::max(least, 1 - (own.max.*p - own.min.*p) / side);
   };
   return along(&Vec3::x) * along(&Vec3::y) * along(&Vec3::z);
 }
