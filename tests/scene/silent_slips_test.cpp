@@ -51,5 +51,65 @@ TEST(SilentSlips, DefaultOfPressuresIsThatOfSetsNotNamed) {
             (Of{{std::nullopt, 1e3, std::nullopt}, {50e3, 50e3, 50e3}}));
 }
 
+std::vector<std::string> notes_of(const Scene& scene) {
+  std::vector<std::string> notes;
+  for (const Problem& note : scene.notes) notes.push_back(describe(note));
+  return notes;
+}
+
+bool has(const std::vector<std::string>& lines, std::string_view part) {
+  return std::ranges::any_of(lines, [&](const std::string& line) { return line.contains(part); });
+}
+
+const std::string set_a =
+    "[[joint_set]]\nname = \"A\"\norientation = { dip = 50, dip_direction = 60 }\nsize = 2\nintensity = { count = 4 "
+    "}\n";
+
+TEST(SilentSlips, TwoJointSetsOfOneNameAreRefused) {
+  EXPECT_EQ(
+      error_of(with_box(set_a + set_a)),
+      "s.toml:9: joint_set[2].name: \"A\" is the name of another joint set, s.toml:4; give each set a name of its "
+      "own");
+  EXPECT_EQ(
+      error_of("include = [\"n.toml\", \"e.toml\"]\n" + with_box(""), {{"n.toml", set_a}, {"e.toml", "\n" + set_a}}),
+      "e.toml:3: joint_set[2].name: \"A\" is the name of another joint set, n.toml:2; give each set a name of its "
+      "own");
+  EXPECT_EQ(
+      error_of("include = \"n.toml\"\n" + with_box(set_a), {{"n.toml", set_a}}),
+      "n.toml:2: joint_set[2].name: \"A\" is the name of another joint set, s.toml:5; give each set a name of its "
+      "own");
+  // A set may have joints that are given beside those that are drawn.
+  EXPECT_TRUE(
+      notes_of(scene_of(with_box(
+                   set_a + "[[joint]]\nplane = { through = [4, 4, 3], dip = 5, dip_direction = 0 }\nset = \"A\"\n")))
+          .empty());
+}
+
+TEST(SilentSlips, AFileIncludedTwiceIsRefused) {
+  const std::string joint = "[[joint]]\nplane = { through = [4, 4, 3], dip = 5, dip_direction = 0 }\n";
+  EXPECT_EQ(error_of("include = [\"n.toml\", \"n.toml\"]\n" + with_box(""), {{"n.toml", joint}}),
+            "s.toml:1: include: names n.toml twice: each of its joints would be there twice; name it once");
+  EXPECT_EQ(error_of("include = [\"n.toml\", \"./n.toml\"]\n" + with_box(""), {{"n.toml", joint}, {"./n.toml", joint}}),
+            "s.toml:1: include: n.toml and ./n.toml hold the same; name it once");
+}
+
+TEST(SilentSlips, StrengthsInTwoIncludedFilesAreRefused) {
+  const Files files{{"a.toml", "[joints.default]\nfriction = 20\n"}, {"b.toml", "\n[joints.default]\nfriction = 50\n"}};
+  const std::string rest = with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 5, dip_direction = 0 }\n");
+  EXPECT_EQ(
+      error_of("include = [\"a.toml\", \"b.toml\"]\n" + rest, files),
+      "b.toml:2: joints.default: stands in a.toml:1 as well; keep one of them, or state it in the scene, which goes "
+      "before both");
+  const Scene own =
+      scene_of("include = [\"a.toml\", \"b.toml\"]\n" + rest + "[joints.default]\nfriction = 30\n", files);
+  EXPECT_EQ(own.sets[own.joints.front().set].properties.friction.mean, 30);
+  const auto notes = notes_of(own);
+  EXPECT_TRUE(has(notes, "a.toml:1: joints.default: is not used: s.toml:6 states it too; the scene goes before"))
+      << notes[0];
+  EXPECT_TRUE(has(notes, "b.toml:2: joints.default: is not used: s.toml:6 states it too; the scene goes before"));
+  EXPECT_TRUE(error_of("include = \"c.toml\"\n" + rest, {{"c.toml", "[joint]\nset = \"A\"\n"}})
+                  .starts_with("c.toml:1: joint: is a table, and in s.toml it is an array; write [[joint]]"));
+}
+
 }  // namespace
 }  // namespace cleave::scene::test::silent_slips_test
