@@ -111,5 +111,33 @@ TEST(SilentSlips, StrengthsInTwoIncludedFilesAreRefused) {
                   .starts_with("c.toml:1: joint: is a table, and in s.toml it is an array; write [[joint]]"));
 }
 
+const std::string tunnel =
+    "[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\nsection = { shape = \"circle\", radius = 1 }\n"
+    "axis = [[4, 0, 3], [4, 8, 3]]\n";
+std::string set_of(const std::string& name, int direction) {
+  return "[[joint_set]]\n" + name + "orientation = { dip = 50, dip_direction = " + std::to_string(direction) +
+         " }\nsize = 2\nintensity = { count = 4 }\n";
+}
+
+TEST(SilentSlips, LargestKeyBlocksNeedThreeSets) {
+  const std::string a = set_of("name = \"A\"\n", 60), b = set_of("name = \"B\"\n", 180);
+  const auto with = [](const std::string& sets) {
+    return "[stability]\nmaximum_blocks = { tunnel = \"t\"" + sets + " }\n" + tunnel;
+  };
+  EXPECT_EQ(
+      error_of(with_box(with("") + a + b)),
+      "s.toml:4: stability.maximum_blocks: has 2 of the three joint sets that make a block at a tunnel; add joints "
+      "of other sets, or remove it");
+  EXPECT_EQ(
+      error_of(with_box(with(", sets = [\"A\", \"A\", \"B\"]") + a + b)),
+      "s.toml:4: stability.maximum_blocks: has 2 of the three joint sets that make a block at a tunnel; name three "
+      "sets, each once");
+  EXPECT_TRUE(has(errors_of(with_box(with(", sets = [\"A\", \"B\", \"default\"]") + a + b)),
+                  "names the set \"default\", and no joint belongs to it; name another"));
+  EXPECT_TRUE(has(errors_of(with_box(with("") + a + b + set_of("", 300) + set_of("", 0))),
+                  "takes the joint sets without a name as one, with the orientation of the first; give each a name"));
+  EXPECT_TRUE(parse_text(with_box(with("") + a + b + set_of("", 300))).has_value());
+}
+
 }  // namespace
 }  // namespace cleave::scene::test::silent_slips_test

@@ -265,6 +265,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   }
   std::optional<MonteCarloSettings> monte_carlo = parse_monte_carlo(root);
   check_flow_water(context, stability.settings, flow, sequence.has_value());
+  check_maximum_blocks(context, stability.settings, used, joint_sets);
   check_stop(root, monte_carlo,
              counted_in(stability.settings, output, excavations, support, field_stress, flow, sequence.has_value()));
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
