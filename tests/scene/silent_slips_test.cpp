@@ -139,5 +139,18 @@ TEST(SilentSlips, LargestKeyBlocksNeedThreeSets) {
   EXPECT_TRUE(parse_text(with_box(with("") + a + b + set_of("", 300))).has_value());
 }
 
+TEST(SilentSlips, AHalfWidthInPerCentIsRefused) {
+  const auto stop = [](const std::string& width) {
+    return with_box(set_a + tunnel + "[stability]\n[monte_carlo]\nstop = { relative_half_width = " + width +
+                    ", max = 200 }\n");
+  };
+  EXPECT_EQ(error_of(stop("10")),
+            "s.toml:15: monte_carlo.stop.relative_half_width: is 10, which is 10 times the mean; for 10 % of the mean "
+            "write 0.1");
+  EXPECT_TRUE(error_of(stop("2.5")).contains("for 2.5 % of the mean write 0.025"));
+  EXPECT_TRUE(error_of(stop("1000")).contains("relative_half_width: is 1000; give a number "));
+  EXPECT_TRUE(parse_text(stop("1")).has_value());
+}
+
 }  // namespace
 }  // namespace cleave::scene::test::silent_slips_test
