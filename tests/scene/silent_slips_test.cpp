@@ -152,5 +152,36 @@ TEST(SilentSlips, AHalfWidthInPerCentIsRefused) {
   EXPECT_TRUE(parse_text(stop("1")).has_value());
 }
 
+TEST(SilentSlips, LimitsOfMicroBlocksFarFromCrumbsAreNoted) {
+  const auto notes = [](const std::string& limit) {
+    return notes_of(scene_of(wedge(free_faces + "[micro_blocks]\n" + limit + "\n", second)));
+  };
+  EXPECT_TRUE(has(notes("thickness = 5"),
+                  "micro_blocks.thickness: is 5 m, which is far from usual (1e-09 to 0.5); if it is meant in "));
+  EXPECT_TRUE(has(notes("volume = 1000"), "micro_blocks.volume: is 1000 m3, which is far from usual"));
+  EXPECT_TRUE(notes("thickness = 0.1\nvolume = 1").empty());
+}
+
+TEST(SilentSlips, MicroBlocksLeftOutThatWouldMoveAreSaid) {
+  const auto run = [](const std::string& friction, const std::string& more) {
+    return run_of(wedge(free_faces + "groups = \"off\"\n[joints.south-east]\nfriction = " + friction +
+                            "\n[joints.north-east]\nfriction = " + friction +
+                            "\n[micro_blocks]\npolicy = \"exclude\"\nthickness = 5\n" + more,
+                        second));
+  };
+  const RunResult moving = run("30", "");
+  EXPECT_EQ(moving.figures.key_blocks->count, 0U);
+  EXPECT_EQ(
+      notes_with(moving,
+                 "1 block (54.92 m3) left out by [micro_blocks] would move, and is in no count of key blocks: the "
+                 "least factor of safety is 0.596 (block "),
+      1U)
+      << moving.notes.back();
+  EXPECT_EQ(notes_with(moving, "left out by"), 1U);
+  EXPECT_EQ(notes_with(run("60", ""), "left out by"), 0U);
+  const RunResult shaken = run("60", "[[load]]\nname = \"quake\"\nseismic = [1, 0, 0]\n");
+  EXPECT_EQ(notes_with(shaken, "load case quake: 1 block (54.92 m3) left out by [micro_blocks] would move"), 1U);
+}
+
 }  // namespace
 }  // namespace cleave::scene::test::silent_slips_test
