@@ -183,5 +183,48 @@ TEST(SilentSlips, MicroBlocksLeftOutThatWouldMoveAreSaid) {
   EXPECT_EQ(notes_with(shaken, "load case quake: 1 block (54.92 m3) left out by [micro_blocks] would move"), 1U);
 }
 
+TEST(SilentSlips, TwoExcavationsOfOneNameAreRefused) {
+  const std::string other =
+      "[[excavation]]\nname = \"t\"\nkind = \"polyhedron\"\nbox = { min = [6, 1, 1], max = [7, 2, 2] }\n";
+  EXPECT_EQ(error_of(with_box(tunnel + other)),
+            "s.toml:9: excavation[2].name: \"t\" is the name of another excavation, in line 4; give each a name of its "
+            "own");
+  EXPECT_TRUE(error_of(with_box("[[excavation]]\nname = \"excavation[2]\"" + other.substr(other.find("\nkind")) +
+                                "[[excavation]]" + other.substr(other.find("\nkind"))))
+                  .contains("excavation[2].name: \"excavation[2]\" is the name of another excavation, in line 4"));
+}
+
+TEST(SilentSlips, SectionsDrawnAboutAnotherPointThanTheirMiddleAreNoted) {
+  const auto notes = [](const std::string& corners) {
+    return notes_of(scene_of(with_box("[[excavation]]\nkind = \"tunnel\"\nsection = { shape = \"polygon\", corners = " +
+                                      corners + " }\naxis = [[4, 0, 3], [4, 8, 3]]\n")));
+  };
+  const std::string_view said = "excavation[1].section.corners: lie about";
+  EXPECT_TRUE(
+      has(notes("[[-1, 0], [1, 0], [1, 2], [-1, 2]]"),
+          "excavation[1].section.corners: lie about (0, 1), where the axis goes through them: not through their (0, "
+          "0); to have (0, 0) on the axis as it is now, move the axis by 0 m to the right and 1 m up"));
+  EXPECT_FALSE(has(notes("[[-1, -1], [1, -1], [1, 1], [-1, 1]]"), said));
+  EXPECT_FALSE(has(notes("[[-1, -0.99], [1, -0.99], [1, 1.01], [-1, 1.01]]"), said));
+}
+
+// One mistake, one message: what names an opening that could not be read is no mistake of its own.
+TEST(SilentSlips, AWrongExcavationIsTheOnlyError) {
+  const std::string wrong =
+      "[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\nsection = { shape = \"circle\", radius = 1 }\naxis = [[4, 0, "
+      "3]]\n";
+  const std::string users =
+      "[field_stress]\ntunnel = \"t\"\nstress = [-1e6, -1e6, -1e6, 0, 0, 0]\n[rock]\ndensity = 2700\npoisson = 0.25\n"
+      "[stability]\nsurcharge = [{ on = \"t\", pressure = 10e3 }]\nmaximum_blocks = { tunnel = \"t\" }\n"
+      "[support]\nshotcrete = { thickness = 0.1, strength = 1e6 }\n[[support.bolts]]\ntunnel = \"t\"\nspacing = [2, "
+      "2]\n"
+      "length = 3\ntendon_capacity = 200e3\nbond_strength = 200e3\nanchorage = 0.5\n"
+      "[monte_carlo]\nstop = { relative_half_width = 0.1, max = 200 }\n";
+  EXPECT_TRUE(error_of(with_box(wrong + users)).starts_with("s.toml:7: excavation[1].axis: "));
+  EXPECT_TRUE(error_of(with_box("[[excavation]]\nname = \"t\"\nkind = \"tunel\"\n" + users))
+                  .starts_with("s.toml:5: excavation[1].kind: "));
+  EXPECT_TRUE(has(errors_of(with_box(users)), "\"t\" is neither an excavation"));
+}
+
 }  // namespace
 }  // namespace cleave::scene::test::silent_slips_test

@@ -180,7 +180,7 @@ Counted counted_in(const std::optional<StabilitySettings>& stability, const Outp
 
 /// What a run stops by is counted in it: else it would never stop by it.
 void check_stop(const TableReader& root, const std::optional<MonteCarloSettings>& ensemble, const Counted& in) {
-  if (!ensemble || !ensemble->stop) return;
+  if (!ensemble || !ensemble->stop || !root.problems().all_read()) return;
   const auto* quantity = stochastic::quantity_named(ensemble->stop->quantity);
   const auto refuse = [&](const char* what, const char* remedy) {
     root.problems().error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity", what, remedy);

@@ -260,6 +260,7 @@ std::optional<FreeSurface> free_surface(const TableReader& table, string_view ke
       known.emplace_back(domain->tags()[tag]);
     }
   }
+  if (table.problems().is_unread(name)) return std::nullopt;
   const auto guess = nearest(name, known);
   table.error(key, fmt::format("\"{}\" is neither an excavation nor a face of the domain", name.substr(0, 60)),
               guess ? fmt::format("did you mean \"{}\"?", *guess) : "write \"all\" for every free face");

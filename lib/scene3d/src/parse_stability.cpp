@@ -160,6 +160,7 @@ std::optional<MaximumBlockSettings> parse_maximum_blocks(const Context& context,
     settings.excavation = i;
   }
   if (tunnel == nullptr) {
+    if (table.problems().is_unread(*name)) return std::nullopt;
     const auto guess = nearest(*name, tunnels);
     table.error("tunnel", fmt::format("\"{}\" is no excavation of kind \"tunnel\"", name->substr(0, 60)),
                 guess ? fmt::format("did you mean \"{}\"?", *guess) : "name an [[excavation]] of that kind");
@@ -252,7 +253,6 @@ const KeyTable& stability_keys() {
   return keys;
 }
 
-ParsedStability parse_stability(const Context& context, const TableReader& root,
 void check_maximum_blocks(const Context& context, const std::optional<StabilitySettings>& stability,
                           const std::set<SetId>& used, const std::vector<RandomSet>& joint_sets) {
   if (!stability || !stability->maximum_blocks || context.problems.errors() != 0) return;
@@ -275,6 +275,7 @@ void check_maximum_blocks(const Context& context, const std::optional<StabilityS
   }
 }
 
+ParsedStability parse_stability(const Context& context, const TableReader& root,
                                 const std::optional<geometry::Solid>& domain,
                                 const std::vector<Excavation>& excavations) {
   ParsedStability result;
