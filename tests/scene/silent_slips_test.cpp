@@ -208,6 +208,45 @@ TEST(SilentSlips, SectionsDrawnAboutAnotherPointThanTheirMiddleAreNoted) {
   EXPECT_FALSE(has(notes("[[-1, -0.99], [1, -0.99], [1, 1.01], [-1, 1.01]]"), said));
 }
 
+TEST(SilentSlips, LawsCutFarFromTheirMeanAreNoted) {
+  const auto notes = [](const std::string& law) {
+    return notes_of(scene_of(wedge(
+        "[joints.north-east]\nfriction = { distribution = \"normal\", mean = 30, std = 5, " + law + " }\n" + free_faces,
+        second)));
+  };
+  EXPECT_TRUE(
+      has(notes("min = 40, max = 50"),
+          "joints.north-east.friction.mean: is 30, outside of min..max: no more than a tail of the law is drawn; "
+          "mean and std are those of the law before it is cut"));
+  EXPECT_TRUE(notes("min = 20, max = 40").empty());
+}
+
+TEST(SilentSlips, WaterAndGravityOfBodiesAreLookedAt) {
+  const auto notes = [](const std::string& water, const std::string& gravity) {
+    const std::string joint = water.contains("[joints.block]") ? "joint = \"block\"\n" : "";
+    const auto scene = parse_contact(
+        "[rock]\ndensity = 2600\n[contact]\nstatic = true\n" + gravity + "[joints.default]\nfriction = 30\n" + water +
+            "[[body]]\nname = \"ground\"\nfixed = true\nrectangle = { corner = [-5, -1], width = 10, height = 1 }\n"
+            "[[body]]\nname = \"block\"\n" +
+            joint + "rectangle = { corner = [-0.5, 0], width = 1, height = 1 }\n",
+        "s.toml");
+    std::vector<std::string> said;
+    EXPECT_TRUE(scene.has_value()) << (scene ? "" : describe(scene.error().front()));
+    if (!scene) return said;
+    for (const Problem& note : scene->notes) said.push_back(describe(note));
+    return said;
+  };
+  EXPECT_TRUE(
+      has(notes("water_table = 500\n", ""),
+          "joints.default.water_table: is 500, above all bodies (up to 1): they stand under water; it is a level "
+          "in the coordinates of the scene, not a depth or a level above the sea"));
+  EXPECT_TRUE(has(notes("water_table = -2\n", ""), "is -2, below all bodies (from -1 on), so that nothing is wet"));
+  EXPECT_TRUE(has(notes("[joints.block]\nwater_table = 3\n", ""), "joints.block.water_table: is 3, above all bodies"));
+  EXPECT_FALSE(has(notes("water_table = 0.5\n[joints.block]\nfriction = 20\n", ""), "water_table"));
+  EXPECT_TRUE(has(notes("", "gravity = [0, 9.81]\n"), "contact.gravity: points upwards, as y does"));
+  EXPECT_FALSE(has(notes("", "gravity = [1, -9.81]\n"), "gravity"));
+}
+
 // One mistake, one message: what names an opening that could not be read is no mistake of its own.
 TEST(SilentSlips, AWrongExcavationIsTheOnlyError) {
   const std::string wrong =
