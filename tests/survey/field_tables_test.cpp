@@ -353,6 +353,33 @@ TEST(FieldTables, NamesAreTextAndFilesOfSetsCanBeRead) {
   ASSERT_TRUE(scene.has_value()) << describe(scene.error().front());
 }
 
+TEST(FieldTables, SetsOfOneNameAndClustersBesideSetsAreRefused) {
+  const std::string table = "dip,dip_direction\n60,40\n62,43\n80,120\n";
+  const auto set = [](const std::string& name) {
+    return "[[set]]\nname = \"" + name + "\"\npolygon = [[200, 10], [240, 10], [240, 50], [200, 50]]\n";
+  };
+  EXPECT_EQ(
+      error_of(poles + set("A") + set("A"), table),
+      "s.toml:7: set[2].name: \"A\" is the name of another [[set]]; give each set a name of its own; a set has one "
+      "polygon");
+  EXPECT_EQ(error_of(poles + set("A") + set("B"), table), "taken");
+  const std::string clusters = "clusters = 2\n" + poles;
+  EXPECT_EQ(error_of(clusters + set("A"), table),
+            "s.toml:1: clusters: stands beside the polygon of the set \"A\": both would say which joints belong to it; "
+            "remove `clusters`, or the polygons");
+  EXPECT_EQ(
+      error_of(clusters, "dip,dip_direction,set\n60,40,A\n62,43,\n"),
+      "s.toml:1: clusters: stands beside sets that the tables state: both would say which joints belong to which; "
+      "remove `clusters`, or the column (or key) `set`");
+  EXPECT_EQ(
+      error_of("clusters = 2\n[[scanline]]\ntrend = 0\nplunge = 0\nlength = 20\nfile = \"t.csv\"\n",
+               "distance,dip,dip_direction,set\n1,60,120,A\n"),
+      "s.toml:1: clusters: stands beside sets that the tables state: both would say which joints belong to which; "
+      "remove `clusters`, or the column (or key) `set`");
+  EXPECT_EQ(error_of(clusters, table), "taken");
+  EXPECT_EQ(error_of("clusters = 0\n" + poles + set("A"), table), "taken");
+}
+
 // Rows with more or fewer cells than columns were read from the left, and quotes did not hold a cell together:
 // "60,5","240,5" was 60/005, and a set "A, west" was A.
 TEST(FieldTables, CellsAreThoseOfTheColumns) {

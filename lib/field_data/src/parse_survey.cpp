@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -24,7 +26,7 @@ constexpr NumberRule cap_rule{1, false, 1000, false, ""};
 const KeyTable& set_keys() {
   static const KeyTable keys{
       .name = "set",
-      .keys = {{"name", key::text(), required, "of the joint set"},
+      .keys = {{"name", key::text(), required, "of the joint set, of no other"},
                {"polygon", key::array(key::pair(rule::coordinate), 3), "",
                 "`[[trend, plunge], ...]` of poles on the stereonet"},
                {"azimuth", key::pair(rule::turn), "",
@@ -61,6 +63,10 @@ void parse_set(InputContext& context, const TableReader& table, survey::SurveyIn
   survey::SetRule rule;
   const auto name = table.need_text("name");
   if (name) rule.name = *name;
+  if (name && std::ranges::find(input.rules, *name, &survey::SetRule::name) != input.rules.end()) {
+    table.error("name", fmt::format("\"{}\" is the name of another [[set]]", name->substr(0, 60)),
+                "give each set a name of its own; a set has one polygon");
+  }
   if (table.has("polygon")) {
     if (const auto corners = three_pairs(table, "polygon")) {
       for (const auto& p : *corners) rule.polygon.push_back(line_of(context, p[0], p[1]));
@@ -72,6 +78,27 @@ void parse_set(InputContext& context, const TableReader& table, survey::SurveyIn
   rule.kappa = table.number("kappa");
   parse_shape(table, rule.shape);
   input.rules.push_back(std::move(rule));
+}
+
+/// K-means and sets that are stated: which of them was meant is not for the program to choose.
+void check_clusters(const TableReader& root, const survey::SurveyInput& input) {
+  if (!input.clusters) return;
+  const auto refuse = [&](std::string what, std::string_view remedy) {
+    root.error("clusters", std::move(what), fmt::format("remove `clusters`, or {}", remedy));
+  };
+  const auto drawn = std::ranges::find_if(input.rules, [](const auto& rule) { return !rule.polygon.empty(); });
+  if (drawn != input.rules.end()) {
+    refuse(fmt::format("stands beside the polygon of the set \"{}\": both would say which joints belong to it",
+                       drawn->name.substr(0, 60)),
+           "the polygons");
+  }
+  const auto stated = [](const std::string& set) { return !set.empty(); };
+  bool any = std::ranges::any_of(input.orientations, stated, &survey::MeasuredOrientation::set);
+  for (const survey::LineSurvey& line : input.lines) any = any || std::ranges::any_of(line.sets, stated);
+  if (any) {
+    refuse("stands beside sets that the tables state: both would say which joints belong to which",
+           "the column (or key) `set`");
+  }
 }
 
 }  // namespace
@@ -90,7 +117,9 @@ const KeyTable& survey_keys() {
                 "largest weight of its own against orientation bias: joints within 5.7 degrees of the line or outcrop "
                 "share the mean of theirs"},
                {"clusters", key::whole(0, 20), "0",
-                "sets for axial K-means; silhouettes of 2 to 8 sets are reported in any case, the choice is yours"},
+                "sets for axial K-means, in place of polygons and of a column `set`; silhouettes of 2 to 8 sets are "
+                "reported in "
+                "any case, the choice is yours"},
                {"orientations", key::tables(&orientations_keys), "[]", "tables of orientations"},
                {"scanline", key::tables(&line_keys), "[]", "joints met by a line"},
                {"borehole", key::tables(&line_keys), "[]", "joints met by a borehole"},
@@ -127,6 +156,7 @@ std::expected<SurveyScene, std::vector<Problem>> parse_survey(string_view text, 
   for (const TableReader& table : root.each("borehole")) parse_line(context, table, input);
   for (const TableReader& table : root.each("window")) parse_window(context, table, input);
   for (const TableReader& table : root.each("set")) parse_set(context, table, input);
+  check_clusters(root, input);
   if (input.orientations.empty() && input.windows.empty() && input.lines.empty() && context.problems.errors() == 0) {
     root.problems().error(1, "survey", "holds no data",
                           "add [[orientations]], [[scanline]], [[borehole]] or [[window]]");

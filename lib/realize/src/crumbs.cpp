@@ -11,7 +11,6 @@
 #include "cleave/core/text.hpp"
 
 namespace cleave::scene {
-
 namespace {
 
 using topology::BlockId;
@@ -56,6 +55,22 @@ double volume_of(const std::vector<HeldByCrumbs::Row>& rows) {
   return volume;
 }
 
+double factor_of(const stability::Analysis& analysis, BlockId id) {
+  const auto judged = std::ranges::lower_bound(analysis.judgements, id, {}, &stability::Judgement::block);
+  return judged != analysis.judgements.end() && judged->block == id ? judged->factor_of_safety : 0;
+}
+
+/// Said once: under another load, or in another stage, it is the same block.
+std::vector<HeldByCrumbs::Row> fresh(std::vector<HeldByCrumbs::Row> rows,
+                                     const std::vector<HeldByCrumbs::Row>& others) {
+  std::erase_if(rows, [&](const HeldByCrumbs::Row& own) {
+    return std::ranges::any_of(others, [&](const HeldByCrumbs::Row& other) {
+      return std::abs((own.volume - other.volume).si()) <= 1e-9 * own.volume.si();
+    });
+  });
+  return rows;
+}
+
 /// Whether a group moves, or is in doubt, at the same factor where the crumbs are left out.
 bool same_without(const stability::KeyGroup& group, const stability::KeyGroups& free) {
   if (free.too_many) return false;
@@ -98,8 +113,7 @@ std::optional<HeldByCrumbs> held_by_crumbs(const topology::AuditedComplex& compl
   settings.left_out = std::move(crumbs);
   const stability::Analysis without = stability::analyse(complex, settings);
   for (const BlockId id : leaving(without)) {
-    const auto judged = std::ranges::lower_bound(without.judgements, id, {}, &stability::Judgement::block);
-    const double factor = judged != without.judgements.end() && judged->block == id ? judged->factor_of_safety : 0;
+    const double factor = factor_of(without, id);
     for (std::size_t g = 0; g < leaning.size(); ++g) {
       const auto& blocks = leaning[g]->blocks;
       if (std::ranges::find(blocks, id) == blocks.end()) continue;
@@ -122,15 +136,6 @@ std::optional<HeldByCrumbs> held_by_crumbs(const topology::AuditedComplex& compl
 void add_crumb_notes(const std::optional<HeldByCrumbs>& held, const std::optional<HeldByCrumbs>& known,
                      std::string_view where, std::vector<std::string>& notes) {
   if (!held) return;
-  // Said once: under another load, or in another stage, it is the same block.
-  const auto fresh = [](std::vector<HeldByCrumbs::Row> rows, const std::vector<HeldByCrumbs::Row>& others) {
-    std::erase_if(rows, [&](const HeldByCrumbs::Row& own) {
-      return std::ranges::any_of(others, [&](const HeldByCrumbs::Row& other) {
-        return std::abs((own.volume - other.volume).si()) <= 1e-9 * own.volume.si();
-      });
-    });
-    return rows;
-  };
   const std::vector<HeldByCrumbs::Row> none, blocks = fresh(held->blocks, known ? known->blocks : none),
                                              groups = fresh(held->groups, known ? known->groups : none);
   const std::string crumbs = text_of(held->crumbs, held->volume_of_crumbs);
@@ -157,6 +162,26 @@ void add_crumb_notes(const std::optional<HeldByCrumbs>& held, const std::optiona
                         : "",
                     leave_out));
   }
+}
+
+void add_left_out_note(const topology::AuditedComplex& complex, stability::Settings settings,
+                       std::vector<HeldByCrumbs::Row>& known, std::string_view where, std::vector<std::string>& notes) {
+  const std::vector<BlockId> crumbs = std::exchange(settings.left_out, {});
+  const stability::Analysis with = stability::analyse(complex, settings);
+  std::vector<HeldByCrumbs::Row> rows;
+  for (const BlockId id : leaving(with)) {
+    const Volume volume = complex.complex().blocks()[id].volume;
+    if (std::ranges::binary_search(crumbs, id)) rows.push_back({id, volume, factor_of(with, id)});
+  }
+  rows = fresh(std::move(rows), known);
+  known.insert(known.end(), rows.begin(), rows.end());
+  if (rows.empty()) return;
+  const auto least = std::ranges::min_element(rows, {}, &HeldByCrumbs::Row::factor_of_safety);
+  notes.push_back(fmt::format(
+      "{}{} left out by [micro_blocks] would move, and {} in no count of key blocks: the least factor of safety is "
+      "{:.3g} (block {}); policy = \"report\" judges such",
+      where, counted_blocks(rows.size(), volume_of(rows)), rows.size() == 1 ? "is" : "are", least->factor_of_safety,
+      least->block.value()));
 }
 
 void add_supported_by_crumbs_note(const topology::AuditedComplex& complex, stability::Settings settings,

@@ -23,6 +23,10 @@ namespace cleave::scene {
 void add_crumb_notes(const std::optional<HeldByCrumbs>& held, const std::optional<HeldByCrumbs>& known,
                      std::string_view where, std::vector<std::string>& notes);
 
+/// Of micro-blocks that `settings` leave out and that would move were they judged. What is said is then `known`.
+void add_left_out_note(const topology::AuditedComplex& complex, stability::Settings settings,
+                       std::vector<HeldByCrumbs::Row>& known, std::string_view where, std::vector<std::string>& notes);
+
 /// Of blocks that reach their target with the support, and not where crumbs are left out with the same bolts.
 void add_supported_by_crumbs_note(const topology::AuditedComplex& complex, stability::Settings settings,
                                   stability::SupportPlan plan, const stability::SupportResult& support,

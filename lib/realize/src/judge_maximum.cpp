@@ -40,6 +40,7 @@ void judge_maximum_blocks(const Scene& scene, Realization& made) {
   std::vector<SetId> sets = wanted.sets;
   if (sets.empty()) {
     for (const JointInfo& joint : made.joints) sets.push_back(joint.set);
+    for (const RandomSet& random : scene.joint_sets) sets.push_back(random.set);  // of no joint drawn here, too
     std::ranges::sort(sets);
     sets.erase(std::ranges::unique(sets).begin(), sets.end());
   }

@@ -224,6 +224,7 @@ Realizer::Done Realizer::judge() {
     }
   }
   held_by_micro_blocks();
+  left_out_and_moving();
   look_for_held();
   made_.sensitivity = stability::sensitivity(complex, with, *made_.analysis);
   judge_maximum_blocks(*scene_, made_);

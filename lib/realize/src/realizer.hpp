@@ -88,6 +88,7 @@ class Realizer final {
   /// What micro-blocks hold, in the base case, under each load and after each stage.
   void held_by_micro_blocks();
   void supported_by_micro_blocks();
+  void left_out_and_moving();
   /// What the border holds of single blocks, and of groups.
   [[nodiscard]] stability::DomainHeld with_groups(stability::DomainHeld held, const stability::Settings& settings,
                                                   const stability::Analysis& analysis,

@@ -123,11 +123,8 @@ void Realizer::taper_of_stages() {
 void Realizer::held_by_micro_blocks() {
   made_.held_by_crumbs.reset();
   if (scene_->micro_blocks.policy != MicroBlockPolicy::report || near_) return;
-  const auto crumbs_of = [&](const topology::BlockComplex& complex) {
-    return micro_blocks(complex, scene_->micro_blocks);
-  };
   const topology::AuditedComplex& complex = *made_.complex;
-  const auto crumbs = crumbs_of(complex.complex());
+  const auto crumbs = micro_blocks(complex.complex(), scene_->micro_blocks);
   const stability::Together most = together(*scene_, options_.threads);
   made_.held_by_crumbs =
       held_by_crumbs(complex, settings(complex.complex()), *made_.analysis, made_.key_groups, crumbs, most);
@@ -142,9 +139,26 @@ void Realizer::held_by_micro_blocks() {
   for (const StageResult& row : made_.sequence->stages) {
     if (!row.complex || !*row.complex || !row.analysis) continue;
     const topology::AuditedComplex& stage = **row.complex;
-    add_crumb_notes(
-        held_by_crumbs(stage, settings(stage.complex()), *row.analysis, row.groups, crumbs_of(stage.complex()), most),
-        made_.held_by_crumbs, "after stage " + std::to_string(row.stage) + ": ", notes_);
+    const auto of_stage = micro_blocks(stage.complex(), scene_->micro_blocks);
+    add_crumb_notes(held_by_crumbs(stage, settings(stage.complex()), *row.analysis, row.groups, of_stage, most),
+                    made_.held_by_crumbs, "after stage " + std::to_string(row.stage) + ": ", notes_);
+  }
+}
+
+void Realizer::left_out_and_moving() {
+  if (scene_->micro_blocks.policy != MicroBlockPolicy::exclude) return;
+  const topology::AuditedComplex& complex = *made_.complex;
+  std::vector<HeldByCrumbs::Row> known;
+  add_left_out_note(complex, settings(complex.complex()), known, "", notes_);
+  for (const LoadCase& load : scene_->stability->cases) {
+    add_left_out_note(complex, settings_on(complex.complex(), *scene_, made_, load.loads), known,
+                      "load case " + load.name + ": ", notes_);
+  }
+  if (!made_.sequence) return;
+  for (const StageResult& row : made_.sequence->stages) {
+    if (!row.complex || !*row.complex || !row.analysis) continue;
+    add_left_out_note(**row.complex, settings((*row.complex)->complex()), known,
+                      "after stage " + std::to_string(row.stage) + ": ", notes_);
   }
 }
 

@@ -48,6 +48,10 @@ void Problems::note_in(std::string file, std::uint32_t line, std::string key, st
   (void)add(notes_, {std::move(file), line, std::move(key), std::move(what), std::move(remedy)});
 }
 
+bool Problems::is_unread(std::string_view name) const noexcept {
+  return std::ranges::find(unread_, name) != unread_.end();
+}
+
 std::vector<Problem> Problems::take_errors() && {
   const auto place = [&](const Problem& problem) {
     return std::tuple{problem.file != file_, std::string_view{problem.file}, problem.line};

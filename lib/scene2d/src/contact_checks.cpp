@@ -121,6 +121,28 @@ void check_overlaps(const ContactScene& scene, Problems& problems) {
   }
 }
 
+void note_water(const TableReader& root, const ContactScene& scene) {
+  double lowest = 1e300, highest = -1e300;
+  for (const ContactBody& body : scene.bodies) {
+    for (const Vec2 corner : body.corners) {
+      lowest = std::min(lowest, corner.y);
+      highest = std::max(highest, corner.y);
+    }
+  }
+  for (const ContactJoint& joint : scene.joints) {
+    const bool own = &joint == &scene.joints.front() || joint.water_table != scene.joints.front().water_table;
+    if (!own || !joint.water_table) continue;
+    const double level = joint.water_table->si();
+    if (level > lowest && level <= highest) continue;
+    root.problems().note(
+        root.line_of("joints"), fmt::format("joints.{}.water_table", joint.name),
+        level > highest
+            ? fmt::format("is {:g}, above all bodies (up to {:g}): they stand under water", level, highest)
+            : fmt::format("is {:g}, below all bodies (from {:g} on), so that nothing is wet", level, lowest),
+        "it is a level in the coordinates of the scene, not a depth or a level above the sea");
+  }
+}
+
 void check_elastic(const ContactScene& scene, const TableReader& contact, Problems& problems) {
   if (scene.settings.in_situ && !rigidity_of(scene).elastic) {
     contact.error("in_situ", "is locked in bodies that deform, but these are rigid",

@@ -55,5 +55,7 @@ void check_elements(const ContactScene& scene, const TableReader& contact, Probl
 void check_forces(const ContactScene& scene, Problems& problems);
 void check_rest(const ContactScene& scene, Problems& problems);
 void check_overlaps(const ContactScene& scene, Problems& problems);
+/// Levels that leave all bodies dry, or under water.
+void note_water(const TableReader& root, const ContactScene& scene);
 
 }  // namespace cleave::scene

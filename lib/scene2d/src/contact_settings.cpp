@@ -218,6 +218,10 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   if (const TomlEntry* g = table.find("gravity")) {
     if (std::holds_alternative<TomlArray>(g->node.value)) {
       s.gravity = pair(table, "gravity").value_or(Vec2{});
+      if (s.gravity.y > 0) {
+        table.note("gravity", "points upwards, as y does: bodies would fall upwards",
+                   "write gravity = 9.81, or [0, -9.81]");
+      }
     } else {
       s.gravity = {0, -table.number("gravity").value_or(0)};
     }

@@ -492,6 +492,7 @@ std::expected<ContactScene, std::vector<Problem>> parse_contact(string_view text
     check_forces(scene, problems);
     check_rest(scene, problems);
     check_overlaps(scene, problems);
+    note_water(root, scene);
   }
   if (!scene.bodies.empty() && std::ranges::all_of(scene.bodies, &ContactBody::fixed)) {
     problems.note(1, "body", "every body is fixed: nothing will move", "remove fixed = true where a body may move");

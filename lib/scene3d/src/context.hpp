@@ -38,6 +38,9 @@ struct ParsedStability {
 [[nodiscard]] ParsedStability parse_stability(const Context& context, const TableReader& root,
                                               const std::optional<geometry::Solid>& domain,
                                               const std::vector<Excavation>& excavations);
+/// Refuses largest key blocks of fewer than three sets, or of sets that have no one orientation.
+void check_maximum_blocks(const Context& context, const std::optional<StabilitySettings>& stability,
+                          const std::set<SetId>& used, const std::vector<RandomSet>& joint_sets);
 /// Loads as a table states them, before they are added up.
 struct StatedLoads {
   geometry::Vec3 seismic{0, 0, 0};  ///< force / weight, in the direction the rock is pushed

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <set>
 #include <utility>
 
@@ -13,6 +12,7 @@
 #include "cleave/scene3d/key_tables.hpp"
 #include "cleave/stochastic/ensemble.hpp"
 #include "context.hpp"
+#include "includes.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -41,81 +41,6 @@ TomlTable without_scene2d_sections(TomlTable table, Problems& problems) {
     return false;
   });
   return table;
-}
-
-/// Joints, joint sets and their properties of the files of `include`, as if they stood in the scene: arrays of tables
-/// are put behind the scene's own, tables of [joints] beside them. Lines of problems are those of the included file.
-void take_includes(TomlTable& table, Problems& problems, const ReadFile& read_file, std::vector<InputFile>& files) {
-  const auto entry = std::ranges::find(table.entries, "include", &TomlEntry::key);
-  if (entry == table.entries.end()) return;
-  const std::uint32_t line = entry->line;
-  std::vector<std::string> names;
-  if (const auto* list = std::get_if<TomlArray>(&entry->node.value)) {
-    for (const TomlNode& item : list->items) {
-      if (const auto* name = std::get_if<std::string>(&item.value)) names.push_back(*name);
-    }
-    if (names.size() != list->items.size()) names.clear();
-  } else if (const auto* name = std::get_if<std::string>(&entry->node.value)) {
-    names.push_back(*name);
-  }
-  if (names.empty()) {
-    problems.error(line, "include", "is no list of file names", "write include = [\"sets.toml\"]");
-    return;
-  }
-  table.entries.erase(entry);
-  for (const std::string& name : names) {
-    const auto file = read_file(name);
-    if (!file) {
-      problems.error(line, "include", file.error().what, file.error().remedy);
-      continue;
-    }
-    files.push_back({name, sha256_hex(file->bytes), file->bytes.size()});
-    auto tree = read_toml(file->bytes);
-    if (!tree) {
-      problems.error_in(file->shown, tree.error().line, "TOML", tree.error().what, tree.error().remedy);
-      continue;
-    }
-    // Files that the included one names lie beside it.
-    const std::size_t slash = name.find_last_of('/');
-    const std::string folder = slash == std::string::npos ? "" : name.substr(0, slash + 1);
-    const auto move_files = [&](auto&& self, TomlTable& inner) -> void {
-      for (TomlEntry& e : inner.entries) {
-        if (auto* text = std::get_if<std::string>(&e.node.value); text != nullptr && e.key == "file")
-          *text = folder + *text;
-        if (auto* deeper = std::get_if<TomlTable>(&e.node.value)) self(self, *deeper);
-        if (auto* array = std::get_if<TomlArray>(&e.node.value)) {
-          for (TomlNode& item : array->items) {
-            if (auto* deeper = std::get_if<TomlTable>(&item.value)) self(self, *deeper);
-          }
-        }
-      }
-    };
-    move_files(move_files, *tree);
-    for (TomlEntry& part : tree->entries) {
-      if (part.key != "joint_set" && part.key != "joint" && part.key != "joints") {
-        problems.error_in(file->shown, part.line, part.key, "may not stand in an included file",
-                          "only [[joint_set]], [[joint]] and [joints.NAME] may");
-        continue;
-      }
-      const auto own = std::ranges::find(table.entries, part.key, &TomlEntry::key);
-      if (own == table.entries.end()) {
-        table.entries.push_back(std::move(part));
-        continue;
-      }
-      auto *list = std::get_if<TomlArray>(&own->node.value), *more = std::get_if<TomlArray>(&part.node.value);
-      auto *tables = std::get_if<TomlTable>(&own->node.value), *beside = std::get_if<TomlTable>(&part.node.value);
-      if (list != nullptr && more != nullptr) {
-        std::ranges::move(more->items, std::back_inserter(list->items));
-      } else if (tables != nullptr && beside != nullptr) {
-        for (TomlEntry& e : beside->entries) {
-          // What the scene says of a set goes before what the included file says.
-          if (std::ranges::find(tables->entries, e.key, &TomlEntry::key) == tables->entries.end()) {
-            tables->entries.push_back(std::move(e));
-          }
-        }
-      }
-    }
-  }
 }
 
 struct Header {
@@ -169,7 +94,9 @@ const KeyTable& scene_keys() {
             "slopes, bolts and sections); vectors, coordinates and results do not. A tunnel along y that trends 040: "
             "-40"},
            {"include", key::either({key::texts(), key::text()}), "[]",
-            "files whose joints, joint sets and `[joints.NAME]` are taken as if they stood here"},
+            "files whose joints, joint sets and `[joints.NAME]` are taken as if they stood here; a table of the "
+            "scene's own "
+            "goes before an included one"},
            {"domain", key::table(&domain_keys), required, "the rock"},
            {"joint", key::tables(&joint_keys), "", "joints that are given"},
            {"joint_set", key::tables(&joint_set_keys), "", "joints drawn at random"},
@@ -253,7 +180,7 @@ Counted counted_in(const std::optional<StabilitySettings>& stability, const Outp
 
 /// What a run stops by is counted in it: else it would never stop by it.
 void check_stop(const TableReader& root, const std::optional<MonteCarloSettings>& ensemble, const Counted& in) {
-  if (!ensemble || !ensemble->stop) return;
+  if (!ensemble || !ensemble->stop || !root.problems().all_read()) return;
   const auto* quantity = stochastic::quantity_named(ensemble->stop->quantity);
   const auto refuse = [&](const char* what, const char* remedy) {
     root.problems().error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity", what, remedy);
@@ -302,8 +229,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   }
   if (!is_scene(*tree, shown, problems)) return std::unexpected(std::move(problems).take_errors());
   TomlTable table = without_scene2d_sections(std::move(*tree), problems);
-  std::vector<InputFile> included;
-  take_includes(table, problems, read_file, included);
+  std::vector<InputFile> included = take_includes(table, problems, read_file);
   const TableReader root{table, 1, "", problems, scene_keys()};
 
   Context context{{.problems = problems, .read_file = read_file}};
@@ -339,6 +265,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   }
   std::optional<MonteCarloSettings> monte_carlo = parse_monte_carlo(root);
   check_flow_water(context, stability.settings, flow, sequence.has_value());
+  check_maximum_blocks(context, stability.settings, used, joint_sets);
   check_stop(root, monte_carlo,
              counted_in(stability.settings, output, excavations, support, field_stress, flow, sequence.has_value()));
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());

@@ -223,15 +223,17 @@ std::vector<Key> slope_keys() {
 }
 
 std::vector<Key> bench_keys() {
-  return {{"plan", key::pairs(), required,
-           "`[[x, y], ...]` in m: a closed outline, the crest of the uppermost bench: what lies inside it is dug; in "
-           "either sense; it may leave the domain"},
-          {"top", key::number(rule::coordinate), "the top of the domain", "m, level of the crest"},
-          {"height", key::number(rule::length), required, "m, of a bench"},
-          {"width", key::number(rule::length_or_zero), required, "m, of the berms between benches"},
-          {"angle", key::number(bench_angle_rule), required, "degrees from horizontal, of a bench's face"},
-          {"count", key::whole(1, 1000), required, "benches"},
-          {"stage_each", key::flag(), "false", "true: each bench has its own stage, from `stage` on"}};
+  return {
+      {"plan", key::pairs(), required,
+       "`[[x, y], ...]` in m: the crest of the uppermost bench as a closed outline, three corners or more, in either "
+       "sense; what is inside is dug. It may leave the domain: of a crest line across the rock, go round outside of "
+       "the domain on the side that is dug"},
+      {"top", key::number(rule::coordinate), "the top of the domain", "m, level of the crest"},
+      {"height", key::number(rule::length), required, "m, of a bench"},
+      {"width", key::number(rule::length_or_zero), required, "m, of the berms between benches"},
+      {"angle", key::number(bench_angle_rule), required, "degrees from horizontal, of a bench's face"},
+      {"count", key::whole(1, 1000), required, "benches"},
+      {"stage_each", key::flag(), "false", "true: each bench has its own stage, from `stage` on"}};
 }
 
 std::optional<geometry::Solid> parse_terrain(Context& context, const TableReader& owner) {

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <iterator>
+#include <map>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -32,25 +36,27 @@ const KeyTable& profile_shape_keys() {
       .keys = {{"shape", key::word(shapes), required, "of the opening"},
                {"segments", key::whole(2, 1024), "16", "chords of a half circle"}},
       .select = "shape",
-      .variants = {{"circle",
-                    {{"diameter", key::number(rule::length), "", "m, or `radius`; polygon of the circle's area"},
-                     {"radius", key::number(rule::length), "", "m"}}},
-                   {"ellipse", {width, height}},
-                   {"rectangle", {width, height}},
-                   {"d_shape", {width, wall, whole}},
-                   {"horseshoe", {width, height}},
-                   {"trapezoid",
-                    {width,
-                     {"top_width", key::number(rule::length), required, "m, of the roof; `width` is that of the floor"},
-                     height}},
-                   {"arch",
-                    {width,
-                     wall,
-                     whole,
-                     {"rise", key::number(rule::length), required, "m, of the circular arc over the walls"}}},
-                   {"polygon",
-                    {{"corners", key::pairs(), required,
-                      "`[[u, v], ...]` in m, u to the right and v up, looking along the axis"}}}}};
+      .variants = {
+          {"circle",
+           {{"diameter", key::number(rule::length), "", "m, or `radius`; polygon of the circle's area"},
+            {"radius", key::number(rule::length), "", "m"}}},
+          {"ellipse", {width, height}},
+          {"rectangle", {width, height}},
+          {"d_shape", {width, wall, whole}},
+          {"horseshoe", {width, height}},
+          {"trapezoid",
+           {width,
+            {"top_width", key::number(rule::length), required, "m, of the roof; `width` is that of the floor"},
+            height}},
+          {"arch",
+           {width,
+            wall,
+            whole,
+            {"rise", key::number(rule::length), required, "m, of the circular arc over the walls"}}},
+          {"polygon",
+           {{"corners", key::pairs(), required,
+             "`[[u, v], ...]` in m, u to the right and v up, looking along the axis, which goes through the centre "
+             "of their bounding box, wherever (0, 0) is"}}}}};
   return keys;
 }
 
@@ -77,12 +83,34 @@ Length circle_diameter(const TableReader& section) {
   return metres(section.number(given->key).value_or(0) * (given->key == "radius" ? 2 : 1));
 }
 
+/// Sections are drawn about a point of the floor or of the springline: the axis does not go through that.
+void note_off_axis(const TableReader& section, const std::vector<std::array<double, 2>>& corners) {
+  if (corners.empty()) return;
+  std::array<double, 2> centre{}, size{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto along = [&](const std::array<double, 2>& corner) { return corner.at(k); };
+    const auto [least, most] = std::ranges::minmax_element(corners, {}, along);
+    centre.at(k) = (along(*least) + along(*most)) / 2;
+    size.at(k) = along(*most) - along(*least);
+  }
+  constexpr double slight = 0.01;
+  if (std::max(std::abs(centre[0]), std::abs(centre[1])) <= slight * std::max(size[0], size[1])) return;
+  section.note(
+      "corners",
+      fmt::format("lie about ({:.4g}, {:.4g}), where the axis goes through them: not through their (0, 0)", centre[0],
+                  centre[1]),
+      fmt::format("to have (0, 0) on the axis as it is now, move the axis by {:.4g} m to the right and {:.4g} m "
+                  "up",
+                  centre[0], centre[1]));
+}
+
 std::optional<geometry::PolygonSection> parse_outline(const TableReader& section) {
   if (!section.has("corners")) section.missing("corners", "add corners = [[u, v], [u, v], ...] in metres");
   const auto corners = section.pairs("corners");
   if (!corners) return std::nullopt;
   geometry::PolygonSection outline;
   for (const auto& [u, v] : *corners) outline.corners.push_back({u, v});
+  note_off_axis(section, outline.corners);
   return outline;
 }
 
@@ -248,6 +276,22 @@ std::vector<Excavation> parse_excavation(Context& context, const TableReader& re
   return excavations;
 }
 
+std::string name_of(const TableReader& excavation) {
+  const TomlEntry* entry = excavation.find("name");
+  const auto* name = entry == nullptr ? nullptr : std::get_if<std::string>(&entry->node.value);
+  return name == nullptr ? excavation.path() : *name;
+}
+
+/// What a name stands for (bolts, a load, a target) would be the first of the excavations alone.
+void refuse_repeated(const TableReader& excavation, std::map<std::string, std::uint32_t>& names) {
+  const auto [known, fresh] = names.try_emplace(name_of(excavation), excavation.line_of("name"));
+  if (fresh) return;
+  excavation.error(
+      "name",
+      fmt::format("\"{}\" is the name of another excavation, in line {}", known->first.substr(0, 60), known->second),
+      "give each a name of its own");
+}
+
 }  // namespace
 
 std::vector<Key> tunnel_keys() {
@@ -281,8 +325,11 @@ const KeyTable& excavation_keys() {
 
 void parse_excavations(Context& context, const TableReader& root, const std::optional<geometry::Solid>& domain,
                        std::vector<Excavation>& excavations) {
+  std::map<std::string, std::uint32_t> names;
   for (const TableReader& table : root.each("excavation")) {
+    refuse_repeated(table, names);
     std::vector<Excavation> made = parse_excavation(context, table, domain);
+    if (made.empty()) context.problems.unread(name_of(table));
     const bool outside = domain && !made.empty() && std::ranges::all_of(made, [&](const Excavation& excavation) {
                            return parted(excavation.solid, *domain);
                          });

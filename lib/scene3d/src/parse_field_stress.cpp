@@ -43,7 +43,7 @@ std::vector<std::uint32_t> parse_tunnels(const TableReader& table, const std::ve
   }
   constexpr string_view one_section = "the stress is that of one section: it needs an axis of two points";
   if (!table.has("tunnel")) {
-    if (straight.empty()) {
+    if (straight.empty() && table.problems().all_read()) {
       table.error("tunnel", tunnels.empty() ? "there is no excavation of kind \"tunnel\"" : "is not straight",
                   tunnels.empty() ? "the stress is that around a tunnel's section: add one, or remove [field_stress]"
                                   : std::string{one_section});
@@ -64,6 +64,7 @@ std::vector<std::uint32_t> parse_tunnels(const TableReader& table, const std::ve
     const auto found =
         std::ranges::find_if(excavations, [&](const Excavation& e) { return e.tunnel.has_value() && e.name == name; });
     if (found == excavations.end()) {
+      if (table.problems().is_unread(name)) continue;
       const auto guess = nearest(name, tunnels);
       table.error("tunnel", fmt::format("\"{}\" is no excavation of kind \"tunnel\"", name.substr(0, 60)),
                   guess             ? fmt::format("did you mean \"{}\"?", *guess)

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -36,7 +38,8 @@ const KeyTable& water_keys() {
           {"unit_weight", key::number(weight_rule), "9810", "N/m3"},
           {"free_faces", key::flag(), "false", "true: water also presses on free faces (a lake, a flooded opening)"},
           {"pressures", key::named(key::number(joint_pressure_rule)), "",
-           "`{ SET = Pa }`: the mean pressure in all joints of a set, in place of the table"}}};
+           "`{ SET = Pa }`: the mean pressure in all joints of a set, in place of the table; `default` is that of all "
+           "sets that are not named"}}};
   return keys;
 }
 
@@ -65,6 +68,38 @@ const KeyTable& line_keys() {
   return keys;
 }
 
+/// Pressures by set; `default` is that of all sets that are not named, as in [joints.default].
+void parse_pressures(const Context& context, const TableReader& water, StatedLoads& loads) {
+  const TomlTable* pressures = water.table("pressures");
+  if (pressures == nullptr) return;
+  std::vector<string_view> names;
+  for (const NamedSet& set : context.sets) names.emplace_back(set.name);
+  std::optional<double> of_the_rest;
+  std::set<SetId> named;
+  for (const TomlEntry& entry : pressures->entries) {
+    const std::string path = water.path_of("pressures") + "." + entry.key;
+    const auto value = water.number_of(entry.node, path, joint_pressure_rule);
+    if (entry.key == "default") {
+      of_the_rest = value;
+      continue;
+    }
+    const auto at = std::ranges::find(names, string_view{entry.key});
+    if (at == names.end()) {
+      const auto guess = nearest(entry.key, names);
+      water.problems().error(entry.line, path, "no joint belongs to this set",
+                             guess ? fmt::format("did you mean \"{}\"?", *guess) : "remove it, or name a set so");
+      continue;
+    }
+    const SetId set{static_cast<std::size_t>(at - names.begin())};
+    named.insert(set);
+    if (value) loads.pressures.push_back({set, *value});
+  }
+  if (!of_the_rest) return;
+  for (const SetId set : context.sets.ids()) {
+    if (!named.contains(set)) loads.pressures.push_back({set, *of_the_rest});
+  }
+}
+
 std::optional<stability::WaterTable> parse_water(const Context& context, const TableReader& owner, StatedLoads& loads) {
   const auto found = owner.sub("water");
   if (!found) return std::nullopt;
@@ -77,24 +112,7 @@ std::optional<stability::WaterTable> parse_water(const Context& context, const T
     if (by_flow && table.has(key))
       table.error(key, "stands beside flow = true", "the pressures are those of [flow]: remove one");
   }
-  if (const TomlTable* pressures = table.table("pressures")) {
-    for (const TomlEntry& entry : pressures->entries) {
-      const auto value = table.number_of(entry.node, table.path_of("pressures") + "." + entry.key, joint_pressure_rule);
-      std::optional<SetId> set;
-      std::vector<string_view> names;
-      for (const SetId id : context.sets.ids()) {
-        if (context.sets[id].name == entry.key) set = id;
-        names.emplace_back(context.sets[id].name);
-      }
-      if (!set) {
-        const auto guess = nearest(entry.key, names);
-        owner.problems().error(entry.line, table.path_of("pressures") + "." + entry.key, "no joint belongs to this set",
-                               guess ? fmt::format("did you mean \"{}\"?", *guess) : "remove it, or name a set so");
-      } else if (value) {
-        loads.pressures.push_back({*set, *value});
-      }
-    }
-  }
+  parse_pressures(context, table, loads);
   const auto law = parse_number_law(table, "table", -1e12, 1e12);
   const auto level = law ? std::optional{law->quantile(0.5)} : std::nullopt;
   if (law && law->kind != FrictionLaw::Kind::constant) loads.water_level = *law;
@@ -242,6 +260,7 @@ std::optional<FreeSurface> free_surface(const TableReader& table, string_view ke
       known.emplace_back(domain->tags()[tag]);
     }
   }
+  if (table.problems().is_unread(name)) return std::nullopt;
   const auto guess = nearest(name, known);
   table.error(key, fmt::format("\"{}\" is neither an excavation nor a face of the domain", name.substr(0, 60)),
               guess ? fmt::format("did you mean \"{}\"?", *guess) : "write \"all\" for every free face");
@@ -252,7 +271,8 @@ std::vector<Key> load_set_keys() {
   return {
       {"seismic", key::vector(seismic_rule), "[0, 0, 0]", "pseudo-static force / weight, in the direction given"},
       {"water", key::table(&water_keys), "",
-       "`{ table, unit_weight = 9810, free_faces = false, pressures = { SET = Pa }, flow = false }`, below"},
+       "`{ table, unit_weight = 9810, free_faces = false, pressures = { SET = Pa, default = Pa }, flow = false }`, "
+       "below"},
       {"surcharge", key::tables(&surcharge_keys), "",
        "`[{ on = \"all\", within = { min, max }, traction = [x, y, z], pressure }]`: Pa on free faces; `on` names an "
        "excavation or a face of the domain, `within` a box that cuts the loaded area out; `pressure` acts against "

@@ -61,6 +61,7 @@ std::optional<std::vector<Vec3>> section_at(const TableReader& table, const std:
   const auto found =
       std::ranges::find_if(excavations, [&](const Excavation& e) { return e.tunnel && e.name == *name; });
   if (found == excavations.end()) {
+    if (table.problems().is_unread(*name)) return std::nullopt;
     table.error("excavation", fmt::format("\"{}\" is no excavation of kind \"tunnel\"", name->substr(0, 60)),
                 nearest_of(*name, tunnels, "tunnels"));
     return std::nullopt;

@@ -25,8 +25,9 @@ const KeyTable& stop_keys() {
   static const KeyTable keys{
       .name = "monte_carlo.stop",
       .keys = {{"quantity", key::text(), "\"key_block_volume\"", "whose mean is to be known"},
-               {"relative_half_width", key::number({0, true, 10, false, ""}), required,
-                "of the mean: stops when the normal quantile times the standard error (with `always_valid` the half "
+               {"relative_half_width", key::number(rule::share), required,
+                "of the mean, 0.1 for 10 %: stops when the normal quantile times the standard error (with "
+                "`always_valid` the half "
                 "width of the confidence sequence) is no more than this times the mean; the interval of a skewed "
                 "figure is printed wider"},
                {"confidence", key::number(confidence_rule), "0.95", "of the interval"},
@@ -36,6 +37,19 @@ const KeyTable& stop_keys() {
                 "looks only after 100, 150, 225, ... realizations, and not before 300 while the skewness is above 2; "
                 "`\"always_valid\"` goes by a confidence sequence that holds at every look"}}};
   return keys;
+}
+
+/// Written in per cent it would stop at once: ten times the mean is no width to stop at.
+std::optional<double> need_half_width(const TableReader& stop) {
+  constexpr string_view key = "relative_half_width";
+  const TomlEntry* entry = stop.find(key);
+  const auto* whole = entry == nullptr ? nullptr : std::get_if<std::int64_t>(&entry->node.value);
+  const auto* real = entry == nullptr ? nullptr : std::get_if<double>(&entry->node.value);
+  const double value = whole != nullptr ? static_cast<double>(*whole) : real != nullptr ? *real : 0;
+  if (!(value > 1 && value <= 100)) return stop.need_number(key);
+  stop.error(key, fmt::format("is {0:g}, which is {0:g} times the mean", value),
+             fmt::format("for {:g} % of the mean write {:g}", value, value / 100));
+  return std::nullopt;
 }
 
 std::optional<stochastic::Stop> parse_stop(const TableReader& monte_carlo) {
@@ -53,7 +67,7 @@ std::optional<stochastic::Stop> parse_stop(const TableReader& monte_carlo) {
                    guess ? fmt::format("did you mean \"{}\"?", *guess) : "write quantity = \"key_block_volume\"");
     }
   }
-  stop.relative_half_width = table->need_number("relative_half_width").value_or(stop.relative_half_width);
+  stop.relative_half_width = need_half_width(*table).value_or(stop.relative_half_width);
   stop.confidence = table->value("confidence");
   if (!table->has("max")) table->missing("max", "add max = 10000: the most realizations to pay for");
   stop.max = static_cast<std::uint64_t>(table->integer("max").value_or(2));

@@ -89,6 +89,10 @@ std::optional<Law> parse_law(const TableReader& owner, string_view key) {
                 "move the limits or the mean");
     return std::nullopt;
   }
+  if (!uniform && law.mean && ((law.min && *law.mean < *law.min) || (law.max && *law.mean > *law.max))) {
+    table.note("mean", fmt::format("is {:g}, outside of min..max: no more than a tail of the law is drawn", *law.mean),
+               "mean and std are those of the law before it is cut to min..max");
+  }
   return law;
 }
 

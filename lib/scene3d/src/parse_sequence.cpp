@@ -55,6 +55,11 @@ void parse_orders(const TableReader& table, SequenceSettings& settings) {
 
 constexpr std::array<string_view, 1> all_orders{"all"};
 
+// Micro-blocks are crumbs and slivers: what is larger is a block that may fall.
+constexpr NumberRule micro_thickness_rule = rule::length.usually(1e-9, 0.5);
+constexpr NumberRule micro_volume_rule =
+    rule::volume.usually(1e-15, 10, "blocks of that size are no crumbs: it is taken as it stands, check it");
+
 }  // namespace
 
 const KeyTable& sequence_keys() {
@@ -79,10 +84,10 @@ const KeyTable& micro_blocks_keys() {
            "`\"keep\"`: say nothing; `\"report\"`: count them in `summary.json` and the notes; `\"exclude\"`: also "
            "leave them out of stability: not judged, in no batch, and holding nothing (their neighbours find a "
            "free face there)"},
-          {"thickness", key::number(rule::length), "",
+          {"thickness", key::number(micro_thickness_rule), "",
            "m: a block below it, or below `volume`, is a micro-block. Neither: thinner than 1e-6 of the domain's "
            "extent"},
-          {"volume", key::number(rule::volume), "", "m3: a block below it is a micro-block"}}};
+          {"volume", key::number(micro_volume_rule), "", "m3: a block below it is a micro-block"}}};
   return keys;
 }
 

@@ -25,7 +25,7 @@ std::vector<stability::FreeSurface> parse_sprayed(const TableReader& table,
                                                   const std::vector<std::uint32_t>& free) {
   std::vector<stability::FreeSurface> on;
   if (!table.has("on")) {
-    if (excavations.empty()) {
+    if (excavations.empty() && table.problems().all_read()) {
       table.missing("on",
                     "the walls of excavations are sprayed, and there are none: add on = \"all\", or the free "
                     "faces of the domain that are sprayed");

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "cleave/core/nearest.hpp"
 #include "cleave/scene3d/key_tables.hpp"
@@ -157,6 +160,7 @@ std::optional<MaximumBlockSettings> parse_maximum_blocks(const Context& context,
     settings.excavation = i;
   }
   if (tunnel == nullptr) {
+    if (table.problems().is_unread(*name)) return std::nullopt;
     const auto guess = nearest(*name, tunnels);
     table.error("tunnel", fmt::format("\"{}\" is no excavation of kind \"tunnel\"", name->substr(0, 60)),
                 guess ? fmt::format("did you mean \"{}\"?", *guess) : "name an [[excavation]] of that kind");
@@ -181,9 +185,6 @@ std::optional<MaximumBlockSettings> parse_maximum_blocks(const Context& context,
       }
       const SetId id{static_cast<std::size_t>(it - known.begin())};
       if (std::ranges::find(settings.sets, id) == settings.sets.end()) settings.sets.push_back(id);
-    }
-    if (settings.sets.size() < 3 && settings.sets.size() == names->size()) {
-      table.error("sets", "names fewer than three sets", "three planes make a block at a tunnel");
     }
   }
   for (const NamedSet& set : context.sets) {
@@ -235,7 +236,9 @@ const KeyTable& stability_keys() {
         {"maximum_blocks", key::table(&maximum_keys), "",
          "`{ tunnel = \"NAME\", sets = [\"A\", \"B\", \"C\"] }`: largest key blocks that persistent joints of the "
          "sets' "
-         "mean orientations can make at a straight tunnel with a convex section; without `sets` all that have joints; "
+         "mean orientations can make at a straight tunnel with a convex section; without `sets` all that have joints, "
+         "three "
+         "at least; "
          "with `trace` (on the wall) or `size` (of a joint face), m, scaled down to joints that long"},
         {"max_batches", key::whole(1, 1'000'000), "50", "batches at most"},
         {"require_open_cone", key::flag(), "false",
@@ -248,6 +251,28 @@ const KeyTable& stability_keys() {
     return table;
   }();
   return keys;
+}
+
+void check_maximum_blocks(const Context& context, const std::optional<StabilitySettings>& stability,
+                          const std::set<SetId>& used, const std::vector<RandomSet>& joint_sets) {
+  if (!stability || !stability->maximum_blocks || context.problems.errors() != 0) return;
+  const MaximumBlockSettings& wanted = *stability->maximum_blocks;
+  const auto refuse = [&](std::string what, std::string remedy) {
+    context.problems.error(wanted.line, "stability.maximum_blocks", std::move(what), std::move(remedy));
+  };
+  const std::set<SetId> sets = wanted.sets.empty() ? used : std::set<SetId>(wanted.sets.begin(), wanted.sets.end());
+  for (const SetId set : sets) {
+    if (!used.contains(set)) {
+      refuse(fmt::format("names the set \"{}\", and no joint belongs to it", context.sets[set].name), "name another");
+    }
+    if (std::ranges::count(joint_sets, set, &RandomSet::set) > 1) {
+      refuse("takes the joint sets without a name as one, with the orientation of the first", "give each a name");
+    }
+  }
+  if (sets.size() < 3) {
+    refuse(fmt::format("has {} of the three joint sets that make a block at a tunnel", sets.size()),
+           wanted.sets.empty() ? "add joints of other sets, or remove it" : "name three sets, each once");
+  }
 }
 
 ParsedStability parse_stability(const Context& context, const TableReader& root,

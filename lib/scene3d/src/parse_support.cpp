@@ -237,6 +237,7 @@ void parse_rings(const TableReader& table, const std::vector<Excavation>& excava
     support.patterns.emplace_back(std::move(ring));
     return;
   }
+  if (table.problems().is_unread(*name)) return;
   const auto guess = nearest(*name, known);
   table.error("tunnel", fmt::format("\"{}\" is no excavation of kind \"tunnel\"", name->substr(0, 60)),
               guess ? fmt::format("did you mean \"{}\"?", *guess) : "name an [[excavation]] of that kind");

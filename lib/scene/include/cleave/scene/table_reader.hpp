@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cleave/geometry/vec3.hpp"
@@ -25,6 +26,10 @@ class Problems final {
   void error_in(std::string file, std::uint32_t line, std::string key, std::string what, std::string remedy);
   void note(std::uint32_t line, std::string key, std::string what, std::string remedy);
   void note_in(std::string file, std::uint32_t line, std::string key, std::string what, std::string remedy);
+  /// What could not be read, by name: that something else names it, too, is no second mistake.
+  void unread(std::string name) { unread_.push_back(std::move(name)); }
+  [[nodiscard]] bool is_unread(std::string_view name) const noexcept;
+  [[nodiscard]] bool all_read() const noexcept { return unread_.empty(); }
   [[nodiscard]] const std::string& file() const noexcept { return file_; }
   [[nodiscard]] std::size_t errors() const noexcept { return error_count_; }
   /// By file (the scene's own first), then line; at most 200, the last one then says how many are left out.
@@ -34,6 +39,7 @@ class Problems final {
  private:
   std::string file_;
   std::vector<Problem> errors_, notes_;
+  std::vector<std::string> unread_;
   std::size_t error_count_ = 0, not_shown_ = 0;
 };
 
