@@ -26,10 +26,20 @@ namespace {
 
 using scene::Problem;
 
+/// Text of files may be in any encoding, and Python takes UTF-8 alone.
+py::str text_of(const std::string& text) {
+  PyObject* made = PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace");
+  if (made == nullptr) throw py::error_already_set{};
+  return py::reinterpret_steal<py::str>(made);
+}
+py::tuple tuple_of(const Problem& p) {
+  return py::make_tuple(text_of(p.file), p.line, text_of(p.key), text_of(p.what), text_of(p.remedy));
+}
+
 /// What the Python side makes exceptions of.
 [[noreturn]] void refuse(const std::vector<Problem>& problems) {
   py::list all;
-  for (const Problem& p : problems) all.append(py::make_tuple(p.file, p.line, p.key, p.what, p.remedy));
+  for (const Problem& p : problems) all.append(tuple_of(p));
   py::module_::import("cleave").attr("_refuse")(all);
   throw std::logic_error{"cleave._refuse came back"};
 }
@@ -149,7 +159,7 @@ std::vector<py::tuple> problems_of(const std::string& text, const std::string& s
   std::vector<py::tuple> all;
   const auto loaded = scene::load_text(text, shown, folder);
   if (loaded) return all;
-  for (const Problem& p : loaded.error()) all.push_back(py::make_tuple(p.file, p.line, p.key, p.what, p.remedy));
+  for (const Problem& p : loaded.error()) all.push_back(tuple_of(p));
   return all;
 }
 

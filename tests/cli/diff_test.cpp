@@ -1,3 +1,6 @@
+#include <string>
+#include <vector>
+
 #include "program.hpp"
 
 namespace cleave::cli::test {
@@ -35,6 +38,39 @@ TEST_F(DiffTest, StrengthChangesKeyBlocksOneByOne) {
   EXPECT_EQ(ended.out.find("\nblocks\n"), std::string::npos) << "the block systems are the same\n" << ended.out;
   EXPECT_NE(ended.out.find("\nkey blocks\n  key_blocks.count "), std::string::npos) << ended.out;
   EXPECT_NE(ended.out.find("\nkey blocks, one by one\n  changed ("), std::string::npos) << ended.out;
+}
+
+// Numbers of blocks hang on the order of the joints, though the blocks are the same and so is their hash.
+TEST_F(DiffTest, BlocksAreKnownByTheirPlaceNotByTheirNumber) {
+  const std::vector<std::string> planes{
+      "{ through = [3.5, 4, 2], dip = 60, dip_direction = 90 }",
+      "{ through = [5, 4, 2], dip = 30, dip_direction = 90 }", "{ through = [4, 2, 3], dip = 90, dip_direction = 0 }",
+      "{ through = [4, 5, 3], dip = 90, dip_direction = 0 }", "{ through = [4, 6, 3], dip = 90, dip_direction = 0 }"};
+  const auto scene = [&](const std::string& name, bool reversed, const std::string& friction) {
+    std::string text = "title = \"wedges\"\n[domain]\nbox = { min = [0, 0, 0], max = [8, 8, 6] }\n";
+    for (std::size_t k = 0; k < planes.size(); ++k) {
+      text += "[[joint]]\nplane = " + planes[reversed ? planes.size() - 1 - k : k] + "\n";
+    }
+    write(name + ".toml", text + "[[excavation]]\nkind = \"polyhedron\"\nbox = { min = [2, 0, 1], max = [6, 8, 2] }\n" +
+                              "[stability]\ngroups = \"off\"\n[joints.default]\nfriction = " + friction + "\n");
+    ASSERT_EQ(cleave("run " + name + ".toml --quiet -o " + name).code, 0);
+  };
+  scene("one", false, "10");
+  scene("other", true, "10");
+  ASSERT_NE(read("one/key_blocks.csv"), read("other/key_blocks.csv")) << "the numbers are to differ";
+  const std::string same = cleave("diff one other").out;
+  EXPECT_FALSE(same.contains("key blocks, one by one")) << same;
+  EXPECT_FALSE(same.contains("e-1")) << "last digits are no change\n" << same;
+  std::string table = read("other/key_blocks.csv");
+  const std::size_t factor = table.find(",0.1018");
+  ASSERT_NE(factor, std::string::npos) << table;
+  table.replace(factor, table.find(',', factor + 1) - factor, ",inf");
+  write("other/key_blocks.csv", table);
+  EXPECT_TRUE(cleave("diff one other").out.contains(" -> sliding, batch 1, factor inf\n"));
+  scene("strong", true, "80");
+  const std::string changed = cleave("diff one strong").out;
+  EXPECT_TRUE(changed.contains("\nkey blocks, one by one\n  changed (")) << changed;
+  EXPECT_TRUE(changed.contains(" in the second), ")) << changed;
 }
 
 TEST_F(DiffTest, AnotherBlockSystem) {

@@ -154,6 +154,9 @@ TEST_F(DesignsTest, ComparesDesignsOnCommonRandomNumbers) {
   EXPECT_NEAR(volume["difference"].get<double>(), mean_volume("strong") - mean_volume("weak"), 1e-9);
   EXPECT_GT(volume["gain"], 3);
   EXPECT_GT(volume["correlation"], 0.5);
+  const std::string same = cleave("compare-designs weak strong").out;
+  EXPECT_FALSE(same.contains("not the same rock")) << same;
+  EXPECT_FALSE(same.contains("inflow")) << "neither has [flow]\n" << same;
   // Other random numbers or no Monte Carlo result: no comparison.
   ASSERT_EQ(cleave("run strong.toml -o other --seed 5 --quiet").code, 0);
   EXPECT_TRUE(cleave("compare-designs weak other").err.contains("has the seed 5"));
@@ -162,6 +165,30 @@ TEST_F(DesignsTest, ComparesDesignsOnCommonRandomNumbers) {
   EXPECT_EQ(cleave("compare weak nowhere").code, 2);
   ASSERT_EQ(cleave("run weak.toml -o part --shard 1/2 --quiet").code, 0);
   EXPECT_TRUE(cleave("compare weak part").err.contains("is a shard"));
+}
+
+// Sets draw by their place among [[joint_set]]: in another order they are another rock, of as many joints.
+TEST_F(DesignsTest, SetsInAnotherOrderAreSaidToBeAnotherRock) {
+  const auto scene = [](const std::string& first, const std::string& second) {
+    return "[domain]\nbox = { min = [0, 0, 0], max = [8, 8, 6] }\n" + first + second +
+           "[[excavation]]\nkind = \"polyhedron\"\nbox = { min = [2, 0, 1], max = [6, 8, 2] }\n"
+           "[monte_carlo]\nrealizations = 4\n";
+  };
+  const auto set = [](const std::string& name, const std::string& direction) {
+    return "[[joint_set]]\nname = \"" + name + "\"\norientation = { dip = 60, dip_direction = " + direction +
+           " }\nsize = \"persistent\"\nintensity = { count = 3 }\n";
+  };
+  run("ab", scene(set("A", "90"), set("B", "270")));
+  run("ba", scene(set("B", "270"), set("A", "90")));
+  run("ac", scene(set("A", "90"), set("C", "270")));
+  run("more", scene(set("A", "90"), set("B", "250")));
+  const auto said = [&](const std::string& other) { return cleave("compare-designs ab " + other).out; };
+  EXPECT_TRUE(
+      said("ba").contains("note: the joints of realization 0 are not the same in both: they are not the same rock"))
+      << said("ba");
+  EXPECT_TRUE(said("ba").contains("(A is [[joint_set]] 1 in the first and 2 in the second)")) << said("ba");
+  EXPECT_TRUE(said("more").contains("not the same rock")) << said("more");
+  EXPECT_FALSE(said("ac").contains("not the same rock")) << "another name draws the same\n" << said("ac");
 }
 
 constexpr std::string_view two_stages = R"toml(schema = 1

@@ -101,6 +101,10 @@ TEST_F(SurveyTest, ListsOfPolesAreClustered) {
 TEST_F(SurveyTest, PoorDataGiveAnAnswerOrAReason) {
   write("one.csv", "dip,dip_direction\n40,100\n");
   EXPECT_EQ(survey("[[orientations]]\nfile = \"one.csv\"\n")["sets"][0]["joints"], 1);
+  // Without a line or a window nothing is known of how many there are.
+  EXPECT_FALSE(read("out/sets.toml").contains("[[joint_set]]"));
+  EXPECT_TRUE(read("out/survey.json").contains("the intensity is not known, and sets.toml leaves the set out"));
+  EXPECT_TRUE(read("out/report.html").contains("0 of them in sets.toml"));
   write("same.csv", "strike,dip\n10,40\n10,40\n10,40\n");
   const json same = survey("[[orientations]]\nfile = \"same.csv\"\n");
   EXPECT_TRUE(same["sets"][0]["orientation"]["kappa"].is_null());  // infinite

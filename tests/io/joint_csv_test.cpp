@@ -147,6 +147,11 @@ TEST(JointCsvTest, UnitsInBracketsCount) {
   const auto wrong = problems("dip,dd,x,y,z,cohesion (furlongs)\n60,30,0,0,0,1\n");
   ASSERT_EQ(wrong.size(), 1U);
   EXPECT_EQ(wrong[0].what, "the unit \"furlongs\" of column cohesion is not understood");
+  const auto latin = problems("dip (\xB0),dd,x,y,z\n60,30,0,0,0\n");
+  ASSERT_EQ(latin.size(), 1U);
+  EXPECT_EQ(latin[0].what, "the unit \"\xEF\xBF\xBD\" of column dip is not UTF-8 text");
+  EXPECT_EQ(latin[0].remedy, "save the table as UTF-8");
+  EXPECT_TRUE(problems("dip,dd,x,y,z,\xB0\n60,30,0,0,0,1\n")[0].what.starts_with("column \"\xEF\xBF\xBD\" is not"));
 }
 
 TEST(JointCsvTest, AnglesThatMayBeRadiansOrGonAreSaid) {

@@ -33,6 +33,16 @@ class Blocks(unittest.TestCase):
         self.assertEqual(result.complaint, "")
         self.assertIsNone(result.key_blocks)
 
+    def test_tables_in_another_encoding_are_wrong_scenes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "joints.csv").write_bytes("dip (°),dip_direction,x,y,z\n60,30,1,1,1\n".encode("latin-1"))
+            scene = cube(joint=[{"file": "joints.csv"}])
+            problems = cleave.check(scene, folder=folder)
+            self.assertIn("is not UTF-8 text", problems[0].what)
+            self.assertEqual(problems[0].remedy, "save the table as UTF-8")
+            with self.assertRaises(cleave.SceneError):
+                cleave.run(scene, folder=folder)
+
     def test_the_same_as_the_program(self):
         with tempfile.TemporaryDirectory() as folder:
             out = Path(folder) / "out"

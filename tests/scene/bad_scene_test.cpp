@@ -35,6 +35,12 @@ INSTANTIATE_TEST_SUITE_P(
             "s.toml:1: domain: the file is empty; start from a scene that cleave init prints: cleave init tunnel"},
         Bad{"OnlyAComment", "# nothing\n",
             "s.toml:1: domain: the file is empty; start from a scene that cleave init prints: cleave init tunnel"},
+        Bad{"GravityOfNoTable", with_box("gravity = 9.81\n"),
+            "s.toml:3: domain.gravity: unknown key; it belongs to [stability] (of bodies: [elastic] or [contact]); "
+            "known here: box, corners, mesh, terrain"},
+        Bad{"FrictionOfRock", with_box("[rock]\nfriction = 30\n"),
+            "s.toml:4: rock.friction: unknown key; it belongs to [joints.NAME], or [joints.default]; known here: "
+            "density, young, poisson"},
         Bad{"NotToml", "v 0 0 0\nf 1 2 3\n",
             "s.toml:1: TOML: Error while parsing key-value pair: expected '=', saw '0'; fix the syntax: see "
             "https://toml.io"},

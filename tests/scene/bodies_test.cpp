@@ -25,7 +25,7 @@ std::string first_problem(const std::string& text) {
 
 std::string refusal(const std::string& text) {
   const auto scene = parse_bodies(text, "s.toml");
-  EXPECT_TRUE(scene.has_value()) << (scene ? "" : describe(scene.error().front()));
+  if (!scene) return describe(scene.error().front());
   StageTimer timer;
   Progress progress{ProgressStyle::quiet};
   const auto result = run(*scene, 1, timer, progress);
@@ -57,6 +57,24 @@ TEST(BodiesScene, BadInputIsNamed) {
   EXPECT_NE(free.find("translation along (1, 0), translation along (0, 1), rotation about (0.5, 0.5)"),
             std::string::npos)
       << free;
+  // Before anything is solved, of whatever its supports leave free.
+  const auto checked = [&](const std::string& support) {
+    const auto scene = parse_bodies(rock + "[[body]]\n" + square + "support = [" + support + "]\n", "s.toml");
+    return scene ? "" : describe(scene.error().front());
+  };
+  EXPECT_TRUE(checked("").contains("s.toml:4: body[1]: the supports do not hold the body against translation along"))
+      << checked("");
+  EXPECT_TRUE(checked("{ side = 1, kind = \"roller\" }").contains("the body against translation along (1, 0);"))
+      << checked("{ side = 1, kind = \"roller\" }");
+  EXPECT_TRUE(checked("{ side = 1, kind = \"spring\" }").contains("translation along (0, 1), rotation"));
+  EXPECT_EQ(checked("{ side = 1, kind = \"roller\" }, { side = 2, kind = \"roller\" }"), "");
+  EXPECT_EQ(checked("{ side = 1, kind = \"spring\", normal = 1, along = 1 }"), "");
+  // The first corner may stand at the end, too.
+  const auto closed = parse_bodies(
+      rock + "[[body]]\noutline = [[0, 0], [1, 0], [1, 1], [0, 0]]\nsupport = [{ side = 3, kind = \"fixed\" }]\n",
+      "s.toml");
+  ASSERT_TRUE(closed.has_value()) << describe(closed.error().front());
+  EXPECT_EQ(closed->bodies[0].region.loops[0].size(), 3U);
   const auto turned = parse_bodies(
       rock + "[[body]]\noutline = [[0, 0], [0, 1], [1, 1], [1, 0]]\nsupport = [{ side = 4, kind = \"fixed\" }]\n",
       "s.toml");

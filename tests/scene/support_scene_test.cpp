@@ -33,6 +33,21 @@ std::string in_two_stages(std::string_view rest) {
       roof_tetrahedron, rest);
 }
 
+// A slip in the unit asks for more bolts than memory holds: they are counted before they are made.
+TEST(SupportScene, PatternsOfTooManyBoltsAreRefusedBeforeTheyAreMade) {
+  const std::string scene =
+      "[domain]\nbox = { min = [0, 0, 0], max = [30, 20, 30] }\n[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\n"
+      "section = { shape = \"rectangle\", width = 8, height = 8 }\naxis = [[15, 0, 15], [15, 20, 15]]\n[support]\n"
+      "[[support.bolts]]\nlength = 3\ntendon_capacity = 2e5\nplate_capacity = 1e5\nbond_strength = 2e5\n"
+      "anchorage = 0.5\n";
+  const auto refused = [&](const std::string& pattern) { return test::errors_of(scene + pattern).front(); };
+  EXPECT_TRUE(refused("tunnel = \"t\"\nspacing = [1e-5, 1e-5]\n").contains("spacing: makes 4800004400001 bolts"))
+      << refused("tunnel = \"t\"\nspacing = [1e-5, 1e-5]\n");
+  const std::string grid =
+      "grid = { corner = [0, 0, 30], dip = 0, dip_direction = 0, width = 20, height = 20 }\nspacing = ";
+  EXPECT_TRUE(refused(grid + "[1e-5, 1e-5]\n").contains("spacing: makes 4000004000001 bolts; space them wider"));
+}
+
 // Bolts into the roof of 4 m of rock: 1 m of each of two lies beyond the top, where rock is taken to go on.
 TEST(SupportScene, BoltsThatLeaveTheDomainAreSaid) {
   const auto bolted = [](std::string_view free, std::string_view length) {

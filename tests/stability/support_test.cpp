@@ -801,9 +801,24 @@ TEST(PatternTest, RingsOfAHorseshoe) {
   for (const Bolt& bolt : bolts_of(ring)) EXPECT_GT(bolt.direction.z, std::cos(radians(46)));
   ring.stagger = true;
   EXPECT_LE(bolts_of(ring).size(), 32U * 3U);
+  for (const double around : {0.3, 2.86, 40.0}) {
+    for (const double offset : {0.0, 1.25, 39.0, 90.0}) {
+      ring.around = metres(around);
+      ring.offset_along = ring.offset_around = metres(offset);
+      EXPECT_EQ(number_of_bolts(ring), bolts_of(ring).size()) << around << " " << offset;
+      ring.stagger = !ring.stagger;
+      EXPECT_EQ(number_of_bolts(ring), bolts_of(ring).size()) << around << " " << offset;
+    }
+  }
+  // Not made, and not more than a number holds.
+  ring.along = ring.around = metres(1e-300);
+  ring.offset_along = ring.offset_around = {};
+  EXPECT_GT(number_of_bolts(ring), 1'000'000'000U);
   // Between the walls at 90 degrees and the floor at 180 no side of the section looks.
+  ring.along = ring.around = metres(1);
   ring.arc = {100, 150};
   EXPECT_TRUE(bolts_of(ring).empty());
+  EXPECT_EQ(number_of_bolts(ring), 0U);
 }
 
 TEST(PatternTest, GridCounts) {
@@ -819,6 +834,10 @@ TEST(PatternTest, GridCounts) {
   EXPECT_EQ(bolts_of(grid).size(), 6U * 5U);
   grid.offset_across = metres(1);
   EXPECT_EQ(bolts_of(grid).size(), 5U * 5U);
+  EXPECT_EQ(number_of_bolts(grid), 25U);
+  grid.stagger = true;
+  grid.spacing_across = metres(3);
+  EXPECT_EQ(number_of_bolts(grid), bolts_of(grid).size());
 }
 
 TEST(SensitivityTest, FrictionIsInProportion) {

@@ -50,6 +50,25 @@ void expect_plane(Vec3 normal, double dip, double direction) {
 
 const std::string poles = "[[orientations]]\nfile = \"t.csv\"\n";
 
+// A table that holds its rows twice has twice the joints.
+TEST(FieldTables, RowsOfALineThatRepeatAnEarlierOneAreSaid) {
+  const std::string line = "[[scanline]]\ntrend = 30\nplunge = 0\nlength = 40\nfile = \"t.csv\"\n";
+  const std::string rows = "1,55,34,1\n2.7,62,39,4\n";
+  const auto repeated = [&](const std::string& table) {
+    std::string found;
+    for (const std::string& note : notes_of(line, table)) {
+      if (note.contains("repeat")) found += note;
+    }
+    return found;
+  };
+  EXPECT_EQ(
+      repeated("distance,dip,dip_direction,length\n" + rows + rows),
+      "t.csv:4: row: 2 rows repeat the measurements of an earlier one (this one those of line 2): each counts as a "
+      "joint of its own; remove them where the table holds them twice");
+  EXPECT_EQ(repeated("distance,dip,dip_direction,length\n" + rows + "1,55,34,2\n"), "");
+  EXPECT_EQ(repeated("distance\n1\n1\n2\n"), "") << "of distances alone many may be the same";
+}
+
 TEST(FieldTables, AnglesBeyondTheirRangeTurnThePlane) {
   const auto rows = read(poles + "wrap = true\n", "dip,dip_direction\n-35,400\n100,20\n35,-140\n35,580\n190,10\n");
   ASSERT_EQ(rows.size(), 5U);
@@ -340,6 +359,9 @@ TEST(FieldTables, NamesAreTextAndFilesOfSetsCanBeRead) {
       error_of(poles, "dip,dip_direction,set\n60,120,\xe4\n").contains("t.csv:2: set: \"\xEF\xBF\xBD\" is not"));
   const std::string line = "[[scanline]]\ntrend = 0\nplunge = 0\nlength = 20\nfile = \"t.csv\"\n";
   EXPECT_TRUE(error_of(line, "distance,dip,dip_direction,set\n1,60,120,\xe4\n").contains("is not UTF-8 text"));
+  EXPECT_TRUE(
+      error_of(line, "distance,dip (\xB0),dip_direction\n1,60,120\n")
+          .contains("t.csv:1: columns: the column \"dip (\xEF\xBF\xBD)\" is not UTF-8 text; save the table as UTF-8"));
   const std::string table = "distance,dip,dip_direction,set\n1,60,120,\"a\\\"\" = \xC3\xA4\"\n2,61,121,b]#\n";
   const auto survey = parse_survey(
       line, "two\n[lines]\x7f\xff.toml",

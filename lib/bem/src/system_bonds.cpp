@@ -14,7 +14,52 @@ namespace {
 
 std::uint32_t u32(std::size_t value) { return static_cast<std::uint32_t>(value); }
 
+bool holds(const Component& c) {
+  return c.given == Given::displacement || (c.given == Given::spring && c.stiffness > 0);
+}
+
+/// Motions of coordinates (x - origin) / length.
+std::vector<std::string> names_of(const std::vector<std::array<double, 3>>& motions, Vec2 origin, double length) {
+  std::vector<std::string> names;
+  for (const auto& m : motions) {
+    if (std::abs(m[2]) < 1e-6) {
+      names.push_back(fmt::format("translation along ({:.3g}, {:.3g})", m[0] + 0.0, m[1] + 0.0));
+    } else {
+      const Vec2 pole = origin + length * Vec2{-m[1] / m[2], m[0] / m[2]};
+      names.push_back(fmt::format("rotation about ({:.4g}, {:.4g})", pole.x, pole.y));
+    }
+  }
+  return names;
+}
+
 }  // namespace
+
+std::vector<std::string> unheld_motions(const Region& region) {
+  Vec2 low = region.loops.front().front().start, high = low;
+  for (const Side& side : region.loops.front()) {
+    low = {std::min(low.x, side.start.x), std::min(low.y, side.start.y)};
+    high = {std::max(high.x, side.start.x), std::max(high.y, side.start.y)};
+  }
+  const Vec2 origin = 0.5 * (low + high);
+  const double length = 0.5 * std::max(high.x - low.x, high.y - low.y);
+  std::vector<std::array<double, 3>> rows;
+  for (const Loop& loop : region.loops) {
+    for (std::size_t s = 0; s < loop.size(); ++s) {
+      const Condition& condition = region.conditions[loop[s].condition];
+      for (const double at : {0.1, 0.5, 0.9}) {
+        const SidePoint p = point_on(loop, s, at);
+        const Vec2 normal = (-1 / norm(p.derivative)) * turned_left(p.derivative);
+        const Vec2 x = (1 / length) * (p.x - origin);
+        const Vec2 first = rotated(condition.axes == Axes::normal ? normal : Vec2{1, 0}, condition.turn);
+        const std::array<Vec2, 2> axes{first, turned_left(first)};
+        for (std::size_t k = 0; k < 2; ++k) {
+          if (holds(condition.component[k])) rows.push_back({axes[k].x, axes[k].y, cross(x, axes[k])});
+        }
+      }
+    }
+  }
+  return names_of(free_motions(rows), origin, length);
+}
 
 std::optional<SolveError> SystemBuilder::bond() {
   // Conditions by loop and side as meshed (loops may have been turned).
@@ -101,8 +146,7 @@ std::optional<SolveError> SystemBuilder::check_supports() {
       const Mesh& mesh = system_.regions[g.region].mesh;
       const Vec2 x = 4 * mesh.nodes[g.node].x;  // about 1 at the body's ends
       for (std::size_t k = 0; k < 2; ++k) {
-        const Component& c = g.condition->component[k];
-        if (c.given != Given::displacement && (c.given != Given::spring || !(c.stiffness > 0))) continue;
+        if (!holds(g.condition->component[k])) continue;
         rows.push_back({axes[k].x, axes[k].y, cross(x, axes[k])});
         for (const double end : {-1.0, 1.0}) {
           const Vec2 at = 4 * mesh.elements[mesh.nodes[g.node].uses.front().element].at(end);
@@ -119,14 +163,7 @@ std::optional<SolveError> SystemBuilder::check_supports() {
     }
     FreeMotions error;
     error.finer_holds = options_.mesh.order == Order::constant && free_motions(of_ends).empty();
-    for (const auto& m : motions) {
-      if (std::abs(m[2]) < 1e-6) {
-        error.motions.push_back(fmt::format("translation along ({:.3g}, {:.3g})", m[0] + 0.0, m[1] + 0.0));
-      } else {
-        const Vec2 pole = system_.origin + (system_.scale / 4) * Vec2{-m[1] / m[2], m[0] / m[2]};
-        error.motions.push_back(fmt::format("rotation about ({:.4g}, {:.4g})", pole.x, pole.y));
-      }
-    }
+    error.motions = names_of(motions, system_.origin, system_.scale / 4);
     return error;
   }
   return std::nullopt;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <expected>
 #include <filesystem>
 #include <fstream>
@@ -10,11 +11,14 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "cleave/core/expected.hpp"
 #include "cleave/core/version.hpp"
 #include "cleave/exchange/json_fields.hpp"
 #include "cleave/realize/monte_carlo.hpp"
+#include "cleave/realize/run.hpp"
 #include "cleave/report/write.hpp"
 #include "cleave/stochastic/paired.hpp"
 #include "cleave/stochastic/record.hpp"
@@ -118,43 +122,96 @@ std::string json_of(const std::vector<PairedEstimate>& rows, const std::vector<S
 
 /// What two results must share, and what of them is compared.
 struct Compared {
-  std::uint64_t unit = 0, seed = 0;
-  double confidence = 0.95;
-  std::vector<SameCase> cases = {};
+  scene::Scene one, other;
+  std::uint64_t unit;
+  double confidence;
+  std::vector<SameCase> cases;
 };
 
-std::expected<Compared, ExitCode> comparable(const std::string& first, const std::string& second) {
-  Compared found;
-  std::optional<scene::Scene> one;
-  for (const std::string* folder : {&first, &second}) {
-    std::error_code ignored;
-    const auto refused = [&](const std::string& what) { return std::unexpected(wrong(*folder, what)); };
-    if (!fs::exists(fs::path{*folder} / records_name, ignored)) {
-      return refused("is no finished Monte Carlo result: it holds no realizations.csv; name the folder of one");
-    }
-    const auto identity = stochastic::read_records(fs::path{*folder} / records_name,
-                                                   [](const Record&, std::string_view) { return true; });
-    if (!identity) return refused("realizations.csv: " + describe(identity.error()));
-    if (identity->shard.of > 1) return refused("is a shard; merge the parts first (cleave merge)");
-    auto scene = load_copied_scene(*folder);
-    if (!scene) return std::unexpected(report_problems(scene.error()));
-    if (folder == &first) {
-      found.unit = strengths_per_geometry(*scene);
-      found.seed = identity->seed;
-      found.confidence = scene->monte_carlo ? scene->monte_carlo->confidence : found.confidence;
-      one = *std::move(scene);
-    } else if (identity->seed != found.seed) {
-      return refused(
-          fmt::format("has the seed {}, {} has {}: designs are compared on common random numbers; run one of them with "
-                      "--seed of the other",
-                      identity->seed, first, found.seed));
-    } else if (strengths_per_geometry(*scene) != found.unit) {
-      return refused("has another strengths_per_geometry; give both scenes the same");
-    } else {
-      found.cases = same_cases(*one, *scene, found.unit);
-    }
+bool same_joint(const topology::Joint& a, const topology::Joint& b) {
+  return std::ranges::equal(a.polygons, b.polygons,
+                            [](const auto& p, const auto& q) { return std::ranges::equal(p.corners(), q.corners()); });
+}
+bool same_joint(const topology::PersistentJoint& a, const topology::PersistentJoint& b) {
+  return a.through == b.through && a.normal == b.normal;
+}
+
+/// Whether the joints of a realization are the same; strengths may be others.
+bool same_rock(const Compared& found, std::uint64_t realization) {
+  const auto first = sample(found.one, realization), second = sample(found.other, realization);
+  if (!first || !second) return true;  // said where it was run
+  return std::ranges::equal(first->input.joints, second->input.joints, [](const auto& a, const auto& b) {
+    return std::visit(
+        [](const auto& x, const auto& y) {
+          if constexpr (std::same_as<decltype(x), decltype(y)>) {
+            return same_joint(x, y);
+          } else {
+            return false;
+          }
+        },
+        a, b);
+  });
+}
+
+/// The first joint set whose place in its scene another one has in the other.
+std::string moved_set(const Compared& found) {
+  const auto names = [](const scene::Scene& scene) {
+    std::vector<std::string> all;
+    for (const scene::RandomSet& set : scene.joint_sets) all.push_back(scene.sets[set.set].name);
+    return all;
+  };
+  const auto first = names(found.one), second = names(found.other);
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    const auto at = std::ranges::find(second, first[k]);
+    if (at == second.end() || (k < second.size() && second[k] == first[k])) continue;
+    return fmt::format(" ({} is [[joint_set]] {} in the first and {} in the second)", first[k], k + 1,
+                       at - second.begin() + 1);
   }
-  return found;
+  return {};
+}
+
+std::string note_on_rock(const Compared& found, std::uint64_t realization) {
+  return fmt::format(
+      "the joints of realization {} are not the same in both: they are not the same rock, and what differs is not of "
+      "the designs alone; sets draw by their place among [[joint_set]]{}: give both scenes the same sets and domain, "
+      "in the same order",
+      realization, moved_set(found));
+}
+
+/// The scene of a result, with the seed it was run with.
+std::expected<std::pair<scene::Scene, std::uint64_t>, ExitCode> design_of(const std::string& folder) {
+  std::error_code ignored;
+  const auto refused = [&](const std::string& what) { return std::unexpected(wrong(folder, what)); };
+  if (!fs::exists(fs::path{folder} / records_name, ignored)) {
+    return refused("is no finished Monte Carlo result: it holds no realizations.csv; name the folder of one");
+  }
+  const auto identity =
+      stochastic::read_records(fs::path{folder} / records_name, [](const Record&, std::string_view) { return true; });
+  if (!identity) return refused("realizations.csv: " + describe(identity.error()));
+  if (identity->shard.of > 1) return refused("is a shard; merge the parts first (cleave merge)");
+  auto scene = load_copied_scene(folder);
+  if (!scene) return std::unexpected(report_problems(scene.error()));
+  scene->seed = identity->seed;
+  return std::pair{*std::move(scene), identity->seed};
+}
+
+std::expected<Compared, ExitCode> comparable(const std::string& first, const std::string& second) {
+  CLEAVE_TRY(auto one, design_of(first));
+  CLEAVE_TRY(auto other, design_of(second));
+  const auto refused = [&](const std::string& what) { return std::unexpected(wrong(second, what)); };
+  if (other.second != one.second) {
+    return refused(
+        fmt::format("has the seed {}, {} has {}: designs are compared on common random numbers; run one of them with "
+                    "--seed of the other",
+                    other.second, first, one.second));
+  }
+  const std::uint64_t unit = strengths_per_geometry(one.first);
+  if (strengths_per_geometry(other.first) != unit) {
+    return refused("has another strengths_per_geometry; give both scenes the same");
+  }
+  const double confidence = one.first.monte_carlo ? one.first.monte_carlo->confidence : 0.95;
+  auto cases = same_cases(one.first, other.first, unit);
+  return Compared{std::move(one.first), std::move(other.first), unit, confidence, std::move(cases)};
 }
 
 std::vector<std::string> notes_of(const stochastic::PairedComparison& pairs, std::uint64_t only_one,
@@ -189,6 +246,7 @@ ExitCode compare_results(const std::string& first, const std::string& second, co
   stochastic::PairedComparison pairs{found->unit};
   Records a{first}, b{second};
   std::uint64_t only_one = 0;
+  std::optional<std::uint64_t> first_pair;
   for (;;) {
     const auto left = a.next(), right = b.next();
     if (!left && !right) break;
@@ -197,6 +255,9 @@ ExitCode compare_results(const std::string& first, const std::string& second, co
       continue;
     }
     pairs.add(*left, *right);
+    if (left->outcome == stochastic::Outcome::done && right->outcome == stochastic::Outcome::done && !first_pair) {
+      first_pair = left->realization;
+    }
     for (SameCase& under : found->cases) {
       under.pairs.add(under_case(*left, under.in_first), under_case(*right, under.in_second));
     }
@@ -204,7 +265,8 @@ ExitCode compare_results(const std::string& first, const std::string& second, co
   const auto rows = pairs.estimates(found->confidence);
   if (rows.empty()) return wrong(second, "fewer than two realizations are in both; run more");
   for (SameCase& under : found->cases) under.rows = under.pairs.estimates(found->confidence, true);
-  const std::vector<std::string> notes = notes_of(pairs, only_one, first, second);
+  std::vector<std::string> notes = notes_of(pairs, only_one, first, second);
+  if (first_pair && !same_rock(*found, *first_pair)) notes.insert(notes.begin(), note_on_rock(*found, *first_pair));
   std::string text = fmt::format(
                          "{}\n{}\n{} pairs, {:g} % intervals of second - first; gain: so many times fewer "
                          "realizations than with independent random numbers\n",

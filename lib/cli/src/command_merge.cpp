@@ -106,7 +106,9 @@ ExitCode check_shards(const std::vector<Part>& parts, const std::string& out) {
     if (!there.contains(k)) missing.push_back(k);
   }
   if (missing.empty()) return ExitCode::done;
-  return wrong(out, fmt::format("shards {} of {} are missing; run them and merge again", list_of(missing), of));
+  const bool one = missing.size() == 1;
+  return wrong(out, fmt::format("{} {} of {} {} missing; run {} and merge again", one ? "shard" : "shards",
+                                list_of(missing), of, one ? "is" : "are", one ? "it" : "them"));
 }
 
 /// Every part has all of its realizations, of `wanted` in groups of `group`.

@@ -3,9 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <initializer_list>
+#include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 
+#include "cleave/core/text.hpp"
 #include "parse_orientations.hpp"
 #include "survey_rows.hpp"
 #include "survey_table.hpp"
@@ -96,6 +102,43 @@ void note_lengths(InputContext& context, const LoadedFile& file, const SurveyTab
   }
 }
 
+/// Columns that are read.
+std::initializer_list<std::string_view> line_columns() {
+  static const std::initializer_list<std::string_view> all{"distance",      "length", "ends",  "dip",
+                                                           "dip_direction", "strike", "trend", "plunge",
+                                                           "alpha",         "beta",   "set",   "quantity"};
+  return all;
+}
+
+/// Rows with the same measurements as an earlier one: a table that holds them twice has twice the joints. Of distances
+/// alone many may be the same.
+void note_repeated(InputContext& context, const LoadedFile& file, const SurveyTable& table) {
+  std::map<std::string, std::uint32_t> seen;
+  std::size_t repeated = 0;
+  std::array<std::uint32_t, 2> first{};
+  for (const SurveyTable::Row& row : table.rows) {
+    std::string cells;
+    std::size_t filled = 0;
+    for (const std::string_view name : line_columns()) {
+      const auto at = table.column(name);
+      const std::string cell = at && *at < row.cells.size() ? row.cells[*at] : std::string{};
+      filled += cell.empty() ? 0U : 1U;
+      cells += cell + '\n';
+    }
+    if (filled < 2) continue;
+    const auto [at, added] = seen.try_emplace(std::move(cells), row.line);
+    if (added) continue;
+    if (repeated++ == 0) first = {row.line, at->second};
+  }
+  if (repeated == 0) return;
+  context.problems.note_in(
+      file.shown, first[0], "row",
+      fmt::format(
+          "{} the measurements of an earlier one (this one those of line {}): each counts as a joint of its own",
+          counted(repeated, "row repeats", "rows repeat"), first[1]),
+      "remove them where the table holds them twice");
+}
+
 }  // namespace
 
 void parse_line(InputContext& context, const TableReader& table, survey::SurveyInput& input) {
@@ -130,14 +173,12 @@ void parse_line(InputContext& context, const TableReader& table, survey::SurveyI
     context.problems.error_in(file->shown, 1, "columns", "lacks the column distance", "give metres along the line");
     return;
   }
-  if (!check_columns(context, *file, *data,
-                     {"distance", "length", "ends", "dip", "dip_direction", "strike", "trend", "plunge", "alpha",
-                      "beta", "set", "quantity"},
-                     "spacings follow from the distances") ||
+  if (!check_columns(context, *file, *data, line_columns(), "spacings follow from the distances") ||
       !check_halves(context, *file, *data)) {
     return;
   }
   note_radians(context, *file, *data);
+  note_repeated(context, *file, *data);
   const bool core = has_core_angles(*data), oriented = core || has_orientation(*data);
   const bool has_lengths = data->column("length").has_value();
   if (table.has("reference") && !core) {

@@ -8,7 +8,5 @@ namespace cleave::scene {
 [[nodiscard]] double largest_size(const survey::SetResult& set);
 /// Gamma laws have joints too small to have corners; those below this hold no area to speak of.
 [[nodiscard]] double smallest_size(const survey::SetResult& set);
-/// Whether the set has all that a network needs but sizes.
-[[nodiscard]] bool usable(const survey::SetResult& set);
 
 }  // namespace cleave::scene

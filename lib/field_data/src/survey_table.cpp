@@ -190,6 +190,12 @@ class SurveyTableReader final {
 
   bool add(std::uint32_t line, string_view cell) {
     if (add_column(table_, cell)) return true;
+    if (!is_utf8(cell)) {
+      context_.problems.error_in(file_.shown, line, "columns",
+                                 fmt::format("the column \"{}\" is not UTF-8 text", on_one_line(cell.substr(0, 40))),
+                                 "save the table as UTF-8");
+      return false;
+    }
     context_.problems.error_in(
         file_.shown, line, "columns",
         fmt::format("the unit of column \"{}\" is not understood", on_one_line(cell.substr(0, 40))),

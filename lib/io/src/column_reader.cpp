@@ -53,6 +53,11 @@ void ColumnReader::take_unit(std::size_t column, std::string_view stated) {
   if (known_[column].unit.empty() || stated.empty()) return;
   unit_[column] = find_unit(known_[column].unit, stated);
   if (unit_[column] != nullptr) return;
+  if (!is_utf8(stated)) {  // a sign of degrees in another encoding
+    bad_header(fmt::format("the unit \"{}\" of column {} is not UTF-8 text", on_one_line(stated), name_of(column)),
+               "save the table as UTF-8");
+    return;
+  }
   bad_header(fmt::format("the unit {} of column {} is not understood", shown(stated), name_of(column)),
              fmt::format("state it in {}, or in another unit of that kind", known_[column].unit));
 }

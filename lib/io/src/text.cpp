@@ -7,6 +7,8 @@
 #include <cmath>
 #include <system_error>
 
+#include "cleave/core/text.hpp"
+
 namespace cleave::io {
 
 bool same_word(std::string_view text, std::string_view lower_case_word) noexcept {
@@ -20,6 +22,7 @@ std::string shown(std::string_view text) {
     const auto byte = static_cast<unsigned char>(c);
     if (byte < 0x20 || byte == 0x7f) c = '?';
   }
+  if (!is_utf8(result)) result = on_one_line(result);
   return fmt::format("\"{}{}\"", result, text.size() > longest ? "..." : "");
 }
 

@@ -288,7 +288,10 @@ std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyRes
   for (const auto& w : result.windows) traces += w.counts.traces();
   out +=
       detail::key_figure("Traces", display_count(traces), "in " + std::to_string(result.windows.size()) + " windows");
-  out += detail::key_figure("Sets", display_count(result.sets.size()), "in sets.toml");
+  const auto usable = static_cast<std::size_t>(std::ranges::count_if(result.sets, scene::usable));
+  const bool all = usable == result.sets.size();
+  out += detail::key_figure("Sets", display_count(result.sets.size()),
+                            all ? "in sets.toml" : display_count(usable) + " of them in sets.toml");
   out += "</section>\n";
   out += sets_section(result);
   out += nets_section(scene, result);

@@ -9,6 +9,7 @@
 
 #include "cleave/core/assert.hpp"
 #include "cleave/core/nearest.hpp"
+#include "key_homes.hpp"
 #include "unit_text.hpp"
 
 namespace cleave::scene {
@@ -94,9 +95,11 @@ void TableReader::report_unknown() const {
       continue;
     }
     const auto guess = nearest(entry.key, known);
-    problems_->error(
-        entry.line, path_of(entry.key), "unknown key",
-        guess ? fmt::format("did you mean \"{}\"?", *guess) : fmt::format("known here: {}", list_of(known)));
+    const auto home = home_of(entry.key);
+    problems_->error(entry.line, path_of(entry.key), "unknown key",
+                     guess  ? fmt::format("did you mean \"{}\"?", *guess)
+                     : home ? fmt::format("it belongs to {}; known here: {}", *home, list_of(known))
+                            : fmt::format("known here: {}", list_of(known)));
   }
 }
 

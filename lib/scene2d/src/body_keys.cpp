@@ -41,6 +41,8 @@ std::optional<std::vector<Vec2>> corners_of(const TableReader& table, const Toml
     if (!p) return std::nullopt;
     corners.push_back(*p);
   }
+  // Drawn closed: the first corner stands at the end, too.
+  if (corners.size() > 3 && corners.back() == corners.front()) corners.pop_back();
   return corners;
 }
 

@@ -1,7 +1,11 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <optional>
+#include <string>
+#include <vector>
 
+#include "cleave/bem/statics.hpp"
 #include "parse_elastic.hpp"
 
 namespace cleave::scene {
@@ -34,6 +38,18 @@ void check_overlaps(const std::vector<BodySpec>& bodies, Problems& problems) {
                        "move one of them; bodies may touch along bonded sides");
       }
     }
+  }
+}
+
+void check_supports(const std::vector<BodySpec>& bodies, Problems& problems) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const BodySpec& body = bodies[i];
+    if (body.bonded || body.extent != bem::Extent::bounded) continue;
+    const std::vector<std::string> motions = bem::unheld_motions(body.region);
+    if (motions.empty()) continue;
+    problems.error(body.line, fmt::format("body[{}]", i + 1),
+                   fmt::format("the supports do not hold the body against {}", fmt::join(motions, ", ")),
+                   "hold more of its sides by `support`; see docs/bem.md");
   }
 }
 

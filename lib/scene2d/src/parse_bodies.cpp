@@ -444,6 +444,7 @@ std::expected<BodiesScene, std::vector<Problem>> parse_bodies(string_view text, 
   for (const TableReader& body : bodies) parse_body(body, defaults, plane, scene.time.has_value(), scene.bodies);
   if (bodies.empty()) problems.error(1, "body", "there is no body", "write at least one [[body]]");
   if (problems.errors() == 0) check_overlaps(scene.bodies, problems);
+  if (problems.errors() == 0 && !scene.time) check_supports(scene.bodies, problems);
   parse_elastic_points(elastic, scene);
   if (problems.errors() != 0) return std::unexpected(std::move(problems).take_errors());
   scene.notes = std::move(problems).take_notes();

@@ -12,5 +12,7 @@ void parse_elastic_time(const TableReader& elastic, BodiesScene& scene);
 void parse_elastic_points(const TableReader& elastic, BodiesScene& scene);
 /// Bodies must not lie in each other; bonded ones touch along sides.
 void check_overlaps(const std::vector<BodySpec>& bodies, Problems& problems);
+/// Bodies at rest that stand alone must be held; what bonded ones and a mesh leave free is found as they are solved.
+void check_supports(const std::vector<BodySpec>& bodies, Problems& problems);
 
 }  // namespace cleave::scene

@@ -120,6 +120,9 @@ const KeyTable& design_keys() {
   return keys;
 }
 
+/// Of one pattern.
+constexpr std::uint64_t most_bolts = 200'000;
+
 /// What holds a bolt of that kind; an error for keys of other kinds.
 std::optional<stability::BoltKind> parse_kind(const TableReader& table, double anchorage) {
   const std::size_t kind = table.choice("kind").value_or(0);
@@ -221,18 +224,19 @@ void parse_rings(const TableReader& table, const std::vector<Excavation>& excava
     }
     ring.stagger = table.flag("stagger");
     ring.inclination = table.value("inclination");
-    const auto bolts = bolts_of(ring);
-    if (bolts.empty()) {
+    const std::uint64_t number = number_of_bolts(ring);
+    if (number == 0) {
       table.error(arc ? "arc" : "offset",
                   "leaves no bolts: no wall of the section has its normal there, or rings begin "
                   "beyond the tunnel's end",
                   "widen the arc, or lessen the offset");
       return;
     }
-    if (bolts.size() > 200'000) {
-      table.error("spacing", fmt::format("makes {} bolts", bolts.size()), "space them wider");
+    if (number > most_bolts) {
+      table.error("spacing", fmt::format("makes {} bolts", number), "space them wider");
       return;
     }
+    const auto bolts = bolts_of(ring);
     support.plan.bolts.insert(support.plan.bolts.end(), bolts.begin(), bolts.end());
     support.patterns.emplace_back(std::move(ring));
     return;
@@ -274,11 +278,11 @@ void parse_grid(const Context& context, const TableReader& owner, stability::Gri
   } else {
     grid.direction = -normal;
   }
-  const auto bolts = bolts_of(grid);
-  if (bolts.size() > 200'000) {
-    owner.error("spacing", fmt::format("makes {} bolts", bolts.size()), "space them wider");
+  if (const std::uint64_t number = number_of_bolts(grid); number > most_bolts) {
+    owner.error("spacing", fmt::format("makes {} bolts", number), "space them wider");
     return;
   }
+  const auto bolts = bolts_of(grid);
   support.plan.bolts.insert(support.plan.bolts.end(), bolts.begin(), bolts.end());
   support.patterns.emplace_back(grid);
 }

@@ -56,7 +56,8 @@ double rounding(double length) { return 1e-9 * std::max(1.0, length); }
 
 std::size_t count(double length, double offset, double spacing) {
   const double room = length - offset + rounding(length);
-  return room < 0 ? 0 : static_cast<std::size_t>(std::floor(room / spacing)) + 1;
+  constexpr double most = 1e9;
+  return room < 0 ? 0 : static_cast<std::size_t>(std::min(most, std::floor(room / spacing))) + 1;
 }
 
 /// Of a ring. All round the last bolt must not stand where the first one does.
@@ -67,20 +68,49 @@ std::size_t count(const Arc& arc, double offset, double spacing) {
   return meets ? all - 1 : all;
 }
 
+bool is_pattern(const RingPattern& pattern) {
+  return pattern.along > metres(0) && pattern.around > metres(0) && pattern.axis.size() >= 2 &&
+         pattern.outline.size() >= 3;
+}
+
+std::size_t rings_of(const RingPattern& pattern) {
+  double total = 0;
+  for (std::size_t i = 0; i + 1 < pattern.axis.size(); ++i) total += norm(pattern.axis[i + 1] - pattern.axis[i]);
+  return count(total, pattern.offset_along.si(), pattern.along.si());
+}
+
+/// Of `all` rings or rows as many as are staggered, or are not, with this many bolts each.
+std::uint64_t sum_of(std::size_t all, std::size_t in_even, std::size_t in_odd) {
+  const std::uint64_t odd = all / 2, even = all - odd;
+  return even * in_even + odd * in_odd;
+}
+
 }  // namespace
+
+std::uint64_t number_of_bolts(const RingPattern& pattern) {
+  if (!is_pattern(pattern)) return 0;
+  const Arc arc = arc_of(pattern);
+  if (arc.edges.empty()) return 0;
+  const double shift = pattern.stagger ? 0.5 * pattern.around.si() : 0;
+  return sum_of(rings_of(pattern), count(arc, pattern.offset_around.si(), pattern.around.si()),
+                count(arc, pattern.offset_around.si() + shift, pattern.around.si()));
+}
+
+std::uint64_t number_of_bolts(const GridPattern& pattern) {
+  if (!(pattern.spacing_across > metres(0)) || !(pattern.spacing_down > metres(0))) return 0;
+  const double shift = pattern.stagger ? 0.5 * pattern.spacing_across.si() : 0;
+  return sum_of(count(pattern.height.si(), pattern.offset_down.si(), pattern.spacing_down.si()),
+                count(pattern.width.si(), pattern.offset_across.si(), pattern.spacing_across.si()),
+                count(pattern.width.si(), pattern.offset_across.si() + shift, pattern.spacing_across.si()));
+}
 
 std::vector<Bolt> bolts_of(const RingPattern& pattern) {
   std::vector<Bolt> bolts;
-  if (!(pattern.along > metres(0)) || !(pattern.around > metres(0)) || pattern.axis.size() < 2 ||
-      pattern.outline.size() < 3) {
-    return bolts;
-  }
+  if (!is_pattern(pattern)) return bolts;
   const Arc arc = arc_of(pattern);
   if (arc.edges.empty()) return bolts;
   const std::vector<geometry::SectionFrame> frames = geometry::section_frames(pattern.axis, pattern.up);
-  double total = 0;
-  for (std::size_t i = 0; i + 1 < pattern.axis.size(); ++i) total += norm(pattern.axis[i + 1] - pattern.axis[i]);
-  const std::size_t rings = count(total, pattern.offset_along.si(), pattern.along.si());
+  const std::size_t rings = rings_of(pattern);
   const double tilt = pattern.inclination * std::numbers::pi / 180;
   for (std::size_t ring = 0; ring < rings; ++ring) {
     double station = (pattern.offset_along + static_cast<double>(ring) * pattern.along).si();

@@ -73,7 +73,7 @@ std::vector<PairedEstimate> PairedComparison::estimates(double confidence, bool 
     const std::uint64_t n = p.difference.count();
     if (by_case && !quantities()[i].by_case) continue;
     // What one design alone was asked for is no row, nor is what neither has (no support, not all blocks cut).
-    if (p.in_first != p.in_second) continue;
+    if (!p.in_first || !p.in_second) continue;
     const bool nothing =
         p.first.largest() == 0 && p.first.smallest() == 0 && p.second.largest() == 0 && p.second.smallest() == 0;
     if (n < 2 || nothing || !std::isfinite(p.sum.mean())) continue;

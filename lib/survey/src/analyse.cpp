@@ -56,12 +56,13 @@ void Analysis::choose(std::size_t k) {
   if (set.p32) return;
   set.notes.emplace_back(
       in_.lines.empty() && in_.windows.empty()
-          ? "no [[scanline]], [[borehole]] or [[window]]: the intensity is not known"
+          ? "no [[scanline]], [[borehole]] or [[window]]: the intensity is not known, and sets.toml leaves the set out"
       : shared_.known[k] > 0
-          ? "the lines run along the joints of this set (|n.l| = 0): they meet none but by chance, and the intensity "
-            "is not known"
-      : has_mean(set) ? "no joint on a line and no trace in a window is of this set: the intensity is not known"
-                      : "its orientation is not known, so the intensity is not");
+          ? "the lines run along the joints of this set (|n.l| = 0): they meet none but by chance; the intensity is "
+            "not known, and sets.toml leaves the set out"
+      : has_mean(set) ? "no joint on a line and no trace in a window is of this set: the intensity is not known, and "
+                        "sets.toml leaves the set out"
+                      : "its orientation is not known, so the intensity is not, and sets.toml leaves the set out");
 }
 
 void Analysis::whole() {

@@ -164,7 +164,8 @@ void Analysis::orient(std::size_t k) {
     }
     if (!set.orientation.fisher) {
       set.bingham = fit_bingham(set.normals, set.weights, in_.confidence);
-      set.notes.emplace_back("Fisher's law is refused for these poles: sets.toml draws from the measured ones");
+      set.notes.emplace_back(
+          "Fisher's law is refused for these poles: where sets.toml holds the set, it draws from the measured ones");
     }
     if (rule != nullptr && rule->dip) set.notes.push_back(measured_note(set, *rule));
   }

@@ -66,6 +66,10 @@ using SolveError =
                  NotInBalance, AboveSurface, NoRegion, BadNumber, TooManyUnknowns, SingularSystem>;
 [[nodiscard]] std::string describe(const SolveError& error);
 
+/// Rigid motions, as in FreeMotions, that the supports of a region which stands alone leave free on any mesh; a mesh
+/// may leave more. Precondition: its loops have passed check_loops.
+[[nodiscard]] std::vector<std::string> unheld_motions(const Region& region);
+
 /// Flamant's field of a force on the straight edge of a half plane (Timoshenko and Goodier 1951, section 36), by
 /// Muskhelishvili's potentials phi = -F ln z / 2 pi, psi = conj(F) ln z / 2 pi. The edge's outward normal says where
 /// the angle's cut runs: outside the body.

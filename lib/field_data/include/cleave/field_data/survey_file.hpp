@@ -33,6 +33,8 @@ struct SetsFile {
   std::string toml;
   std::vector<std::pair<std::string, std::string>> files;  ///< name, content
 };
+/// Whether the set has all that a network needs but sizes: others are left out.
+[[nodiscard]] bool usable(const survey::SetResult& set);
 [[nodiscard]] SetsFile sets_file(const SurveyScene& survey, const survey::SurveyResult& result);
 
 /// Traces that a network of the fitted sets leaves on a window of the survey, one realization: to lie beside the

@@ -309,4 +309,9 @@ struct GridPattern {
 };
 [[nodiscard]] std::vector<Bolt> bolts_of(const GridPattern& pattern);
 
+/// How many bolts `bolts_of` makes, without making them: a spacing with a slip in it asks for more than memory holds.
+/// Along a line no more than 1e9 are counted.
+[[nodiscard]] std::uint64_t number_of_bolts(const RingPattern& pattern);
+[[nodiscard]] std::uint64_t number_of_bolts(const GridPattern& pattern);
+
 }  // namespace cleave::stability
