@@ -138,7 +138,7 @@ TEST(Html, FirstFiguresSpeakOfTheCaseUnderWhichMostMoves) {
   Example e;
   EXPECT_FALSE(cards_of(report_html(e.page())).contains("base case"));
   scene::Figures& figures = e.result.figures;
-  figures.load_cases = {{.name = "water & ice", .figures = {.count = 9, .volume_m3 = 11.2}}};
+  figures.load_cases = {{.name = "water & ice", .figures = {.count = 9, .volume_m3 = 11.2, .batches = {}}}};
   figures.load_cases.front().groups = scene::KeyGroupFigures{.judged = true, .count = 1, .in_doubt = 2};
   figures.groups = scene::KeyGroupFigures{.judged = true};
   figures.governing_case = "base";
@@ -161,7 +161,7 @@ TEST(Html, LoadsOfEachCaseStandWithTheirFigures) {
   scene::StabilitySettings& settings = *e.result.stability;
   settings.target = scene::Targets{.falling = 1.5, .sliding = 1.25};
   settings.loads.actions =
-      Actions::make({.joint_pressure = {std::nullopt, 50e3}, .surcharges = {{.pressure = kilopascals(20)}}}).value();
+      Actions::make({.joint_pressure = {std::nullopt, 50e3}, .surcharges = {{.pressure = pascals(20e3)}}}).value();
   scene::LoadCase& water = settings.cases.emplace_back(scene::LoadCase{.name = "flood", .loads = {}});
   water.loads.actions = Actions::make({.water = stability::WaterTable{.level = 15, .on_free_faces = true}}).value();
   scene::LoadCase& quake = settings.cases.emplace_back(scene::LoadCase{.name = "quake", .loads = {}});
