@@ -177,7 +177,7 @@ TEST(Html, LoadsOfEachCaseStandWithTheirFigures) {
         "1.25 (sliding)",
         "Load case flood", "water table at 15 m, standing on free faces too; required factors of safety 1.5 (falling)",
         "Load case quake",
-        "seismic force / weight (0.15, 0, 0), force (0, 0, -4) kN at (1, 2, 3), force (0, 0, -7) "
+        "seismic force / weight (0.15, 0, 0), force (0, 0, −4) kN at (1, 2, 3), force (0, 0, −7) "
         "kN/m from (0, 0, 1) to (1, 0, 1); required factors of safety 1.2 (falling), 1.1 (sliding)"}) {
     EXPECT_TRUE(html.contains(text)) << text;
   }
