@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 #include "cleave/core/overloaded.hpp"
 
@@ -32,8 +33,11 @@ AlphaNumbers numbers_of(const Scheme& scheme) {
                     scheme);
 }
 
-double spectral_radius(const Scheme& scheme, std::complex<double> z) {
-  using Complex = std::complex<double>;
+namespace {
+using Complex = std::complex<double>;
+}
+
+double spectral_radius(const Scheme& scheme, Complex z) {
   if (std::holds_alternative<BackwardEuler>(scheme)) {
     // (1 + z) u+ = u + v, v+ = v - z u+.
     const Complex root = std::sqrt(-z);
