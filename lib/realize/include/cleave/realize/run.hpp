@@ -65,12 +65,14 @@ void realize(const Scene& scene, const std::shared_ptr<const TunnelFields>& fiel
 [[nodiscard]] std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const RunOptions& options,
                                                                  StageTimer& timer, Progress& progress);
 
+/// What `refusals` makes of a cut for which the memory of `options` is not enough.
+enum class TooLarge : std::uint8_t { refused, passed_over };
+
 /// What `run` would refuse of a scene that the parser took, as far as it shows without cutting along the joints: joints
 /// that cannot be drawn, openings that miss the rock or leave none, forces on no free face, a cut that `options` has
 /// not the memory for. Of scenes of which only the rock near free faces is cut, and of ensembles, `run` has no estimate
 /// of memory before it begins, and none is a reason here. Where all joints would not fit into the memory of `options`,
 /// they are not looked through for those that cannot be cut.
-enum class TooLarge : std::uint8_t { refused, passed_over };
 [[nodiscard]] std::vector<Problem> refusals(const Scene& scene, const RunOptions& options = {},
                                             TooLarge too_large = TooLarge::refused);
 
